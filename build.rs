@@ -1,4 +1,4 @@
-//! Sets `TRUEFEED_VERSION` for the crate: a version that no two commits share.
+//! Sets `TRUEFEED_VERSION` for the crate: a version that is unique to each commit.
 //!
 //! ```text
 //! 0.1.0                            at the tag v0.1.0, or where there is no repository, as in a source archive
@@ -11,10 +11,10 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 use std::process::Command;
 
-/// What the crate is made from. A change in the tests makes no other model.
+/// The sources of the crate. A change of the tests does not change the model.
 const SOURCES: [&str; 4] = ["build.rs", "Cargo.lock", "Cargo.toml", "src"];
 
-/// Files of git that change with each commit, checkout and tag. In a worktree they are not below its `.git`.
+/// Files of git that change with each commit, checkout and tag. In a worktree they lie outside its `.git`.
 const GIT_FILES: [&str; 4] = ["HEAD", "logs/HEAD", "packed-refs", "refs/tags"];
 
 fn main() {
@@ -26,16 +26,16 @@ fn main() {
     }
 }
 
-/// Returns the version by git, or `None` where this folder is no repository or git is not installed.
+/// Returns the version by git, or `None` if this folder is not a repository or git is not installed.
 fn described(package: &str) -> Option<String> {
     let root = variable("CARGO_MANIFEST_DIR");
     let top = git(&["rev-parse", "--show-toplevel"])?;
-    // The folder may lie unpacked in a repository of something else.
+    // The folder may be an unpacked archive inside another repository.
     if Path::new(&top).canonicalize().ok()? != Path::new(&root).canonicalize().ok()? {
         return None;
     }
-    // A commit that changes no source is not worth the minutes that the profile of tests takes; its version then stays
-    // that of the last build.
+    // Under the profile of tests a build takes minutes, so that a commit that changes no source keeps the
+    // version of the last build.
     let is_test_profile = variable("PROFILE") == "debug" && variable("OPT_LEVEL") != "0";
     if !is_test_profile {
         let branch = git(&["symbolic-ref", "--quiet", "HEAD"]);
@@ -44,7 +44,7 @@ fn described(package: &str) -> Option<String> {
         }
     }
     let commit = git(&["rev-parse", "--short", "HEAD"])?;
-    // `TAG-COMMITS-gHASH`; a tag may hold hyphens.
+    // `TAG-COMMITS-gHASH`; a tag may contain hyphens.
     let described = git(&["describe", "--tags", "--long", "--match", "v[0-9]*"]);
     let by_tag = described.as_deref().and_then(|text| {
         let (tag_and_commits, _) = text.rsplit_once('-')?;
@@ -64,7 +64,7 @@ fn described(package: &str) -> Option<String> {
     Some(format!("{release}+{}", parts.into_iter().flatten().collect::<Vec<_>>().join(".")))
 }
 
-/// Returns a digest of the changes that are not committed. New files count by their names.
+/// Returns a digest of the changes that are not committed. New files enter it by their names.
 fn digest(changes: &str) -> Option<u32> {
     let mut digest = DefaultHasher::new();
     changes.hash(&mut digest);
@@ -72,14 +72,15 @@ fn digest(changes: &str) -> Option<u32> {
     Some(digest.finish() as u32)
 }
 
-/// Has Cargo run this again when the file changes. A file that is not there would have it run every time.
+/// Tells Cargo to run this script again when the file changes. A missing file would make Cargo run it every
+/// time.
 fn rerun_if_changed(path: &str) {
     if Path::new(path).exists() {
         println!("cargo::rerun-if-changed={path}");
     }
 }
 
-/// Returns what git prints, or `None` if it fails. It takes no lock, which other commands might wait for.
+/// Returns the output of git, or `None` if it fails. Git takes no lock for which other commands might wait.
 fn git(arguments: &[&str]) -> Option<String> {
     let output = Command::new("git").env("GIT_OPTIONAL_LOCKS", "0").args(arguments).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim_end().to_string())

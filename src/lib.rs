@@ -1,4 +1,4 @@
-//! Truefeed: what a CNC machine really does with a G-code program.
+//! Truefeed: the motion and cycle time of a CNC machine that runs a G-code program.
 //!
 //! Two pipelines, and data flows one way:
 //!

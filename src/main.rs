@@ -1,7 +1,7 @@
-//! The command line: files in, text out, over the same core as the page.
+//! The command line: files in, text out, with the same core as the page.
 //!
 //! Exit status 0: done. 1: an archive is complete, and some of its lines contain an error. 2: the request
-//! failed; one line on standard error names the fault and its place, and no file is written in part.
+//! failed; one line on standard error states the fault and its place, and no file is written partially.
 
 mod command;
 

@@ -1,14 +1,14 @@
-//! How fast programs are quoted and what memory that takes, as multiples of yardsticks of the same run.
+//! Time and memory of quoting programs, as multiples of yardsticks of the same run.
 //!
 //! ```text
 //! cargo bench --bench speed                 a million lines and less, prints the table
 //! cargo bench --bench speed -- write        ten million lines as well, writes docs/speed.md
 //! ```
 //!
-//! The yardsticks are reading the bytes once and the crate `async-gcode`, which splits the same bytes into
-//! words and keeps none of them. Each measurement runs in a process of its own, whose greatest size (VmHWM, of Linux) is its
-//! peak memory, the file included. Rounds go over all measurements in turn, so that what else the
-//! machine does meets them alike; each number is the best of its rounds.
+//! One yardstick reads the bytes once; the other is the crate `async-gcode`, which splits the same bytes into
+//! words and keeps none of them. Each measurement runs in its own process, whose greatest size (VmHWM of
+//! Linux) is its peak memory, including the file. Each round runs all measurements in turn, so that other
+//! load on the computer affects them alike; each number is the best of all rounds.
 
 mod programs;
 
@@ -36,33 +36,33 @@ use truefeed::simulation::toolpath::Toolpath;
 /// Contour tolerances, mm.
 static TOLERANCES: [f64; 4] = [0.005, 0.010, 0.020, 0.050];
 
-/// Each is measured so often, and the best counts.
+/// Number of rounds, of which the best counts.
 const ROUNDS: usize = 2;
 
-/// What is done with a program.
+/// The work of a measurement on a program.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Work {
-    /// Every byte is looked at.
+    /// Reads every byte once.
     Bytes,
-    /// `async-gcode` parses it.
+    /// Parses the program by `async-gcode`.
     Yardstick,
-    /// It is read, part by part.
+    /// Reads the program, part by part.
     Read,
-    /// It is read and traced.
+    /// Reads and traces the program.
     Trace,
-    /// It is read, traced and planned for one tolerance.
+    /// Reads, traces and plans the program for one tolerance.
     Plan,
     /// The same for four tolerances.
     PlanFour,
     /// The same on as many threads as there are processors.
     PlanFourAtOnce,
-    /// It is planned, its contour errors are measured, and it is quoted.
+    /// Plans the program, measures its contour errors, and quotes it.
     Quote,
     /// The same for four tolerances.
     QuoteFour,
     /// The same on as many threads as there are processors, as the command does it.
     QuoteFourAtOnce,
-    /// It is quoted and all is laid out that charts show: what the worker of the page does.
+    /// Quotes the program and computes the data of charts, as the worker of the page does.
     Chart,
 }
 
@@ -97,7 +97,7 @@ impl Work {
         }
     }
 
-    /// Does it once; the number keeps the work from being left out.
+    /// Does the work once. Returns a number that keeps the compiler from removing the work.
     fn run(self, text: Vec<u8>) -> f64 {
         let machine = Machine::default();
         let toolpath = |text: Vec<u8>| trace_text(text, &Options::default(), &machine);
@@ -150,18 +150,18 @@ impl Work {
         }
     }
 
-    /// Several processors at work are told by the clock.
+    /// Returns `true` if several processors work, so that the clock is measured.
     fn is_at_once(self) -> bool {
         matches!(self, Work::PlanFourAtOnce | Work::QuoteFourAtOnce)
     }
 
-    /// These are measured of the first program alone.
+    /// Returns `true` if the work is measured only on the first program.
     fn is_of_first(self) -> bool {
         self.is_at_once() || self == Work::QuoteFour
     }
 }
 
-/// The sum over all tolerances, on as many threads as there are processors.
+/// Returns the sum over all tolerances, computed on as many threads as there are processors.
 fn at_once(one: impl Fn(f64) -> f64 + Copy + Send + Sync) -> f64 {
     scope(|scope| {
         let parts = TOLERANCES.chunks(TOLERANCES.len().div_ceil(processors()));
@@ -182,7 +182,7 @@ impl Stream for Bytes<'_> {
     }
 }
 
-/// How many words `async-gcode` finds. Its bytes are there already, so it never waits.
+/// Returns the number of words that `async-gcode` finds. All bytes are in memory, so that it never waits.
 fn parsed_elsewhere(text: &[u8]) -> usize {
     let words = async {
         let mut parser = async_gcode::Parser::new(Bytes(text.iter()));
@@ -206,7 +206,7 @@ struct Measured {
     size: f64,
 }
 
-/// Measures in this process, and prints it for the one that asked.
+/// Measures in this process, and prints the result for the parent process.
 fn measure(work: Work, made: Made, lines: usize) {
     let text = made.text(lines);
     let size = text.len();
@@ -230,22 +230,22 @@ fn measure(work: Work, made: Made, lines: usize) {
     println!("{time} {peak} {size}");
 }
 
-/// The system tells the time of a processor in ticks; what takes less than this, s, is told by the least of several
-/// times that passed.
+/// Duration below which the clock replaces the time of the processor, which the system gives in ticks, s; the
+/// least of several measurements counts.
 const LONG_ENOUGH: f64 = 0.1;
 
 fn processors() -> usize {
     available_parallelism().map_or(1, NonZero::get)
 }
 
-/// How long this thread has had a processor, s, which does not count what others take of it; none where
-/// the system does not tell.
+/// Returns the time for which this thread has had a processor, s, without the time of other processes; `None`
+/// if the system does not give it.
 fn processor_time() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     Some(1e-9 * text.split_whitespace().next()?.parse::<f64>().ok()?)
 }
 
-/// The greatest size of this process so far, bytes; not a number where the system does not tell.
+/// Returns the greatest size of this process so far, bytes; NaN if the system does not give it.
 fn peak_memory() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -253,7 +253,7 @@ fn peak_memory() -> f64 {
     kilobytes.map_or(f64::NAN, |kilobytes| 1024.0 * kilobytes)
 }
 
-/// Measures in a process of its own.
+/// Measures in a separate process.
 fn measured(work: Work, made: Made, lines: usize) -> Measured {
     let own = std::env::current_exe().expect("this program has a path");
     let output = Command::new(own)
@@ -268,7 +268,7 @@ fn measured(work: Work, made: Made, lines: usize) -> Measured {
     Measured { time, peak, size }
 }
 
-/// The best of all rounds, for each work.
+/// Returns the best of all rounds for each work.
 fn best(works: &[Work], made: Made, lines: usize, rounds: usize) -> Vec<Measured> {
     let round = || works.iter().map(|work| measured(*work, made, lines)).collect::<Vec<_>>();
     (1..rounds).fold(round(), |best, _| {
@@ -300,7 +300,7 @@ fn main() {
     }
 }
 
-/// All tables as Markdown; with ten million lines where `is_whole`.
+/// Returns all tables as Markdown; with ten million lines if `is_whole`.
 fn page(is_whole: bool) -> String {
     const MILLION: usize = 1_000_000;
     let mut text = HEAD.to_string();

@@ -1,20 +1,20 @@
-//! The programs that speed is measured on: made, never stored, the same on every machine.
+//! The programs on which speed is measured: generated, never stored, and the same on every computer.
 //!
-//! Each generator writes at least so many lines of moves, and no line depends on anything but its number
+//! Each generator writes at least the requested number of lines of moves. A line depends only on its number
 //! and the lines before it.
 
 use std::io::Write;
 
-/// A made program.
+/// A generated program.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Made {
     /// A raster over a wavy surface of 60 mm: G1 blocks of 0.1 to 0.5 mm at F3000 to F8000.
     Finishing,
-    /// The same with every fourth move an arc in the plane of X and Z.
+    /// A raster as in `Finishing`, with every fourth move an arc in the plane of X and Z.
     Arcs,
     /// Rectangles inside each other, level by level, with rapids between them.
     Roughing,
-    /// Peck drilling of a grid, 100 holes a tool.
+    /// Peck drilling of a grid, 100 holes per tool.
     Cycles,
 }
 
@@ -34,9 +34,10 @@ impl Made {
         Made::ALL.into_iter().find(|made| made.word() == word)
     }
 
-    /// A program of at least `lines` lines.
+    /// Returns a program of at least `lines` lines.
     pub fn text(self, lines: usize) -> Vec<u8> {
-        // Room for all of it, so that its growth does not count as memory of what is measured.
+        // The capacity suffices for the whole text, so that its growth does not count as memory of the
+        // measured work.
         let mut text = Vec::with_capacity(36 * lines + 1000);
         let outcome = match self {
             Made::Finishing => raster(&mut text, lines, false),

@@ -1,7 +1,7 @@
 //! `truefeed predict --ndjson`: many programs, one line of JSON each, on all processors.
 //!
 //! Lines appear in the order in which programs finish; the content of a line depends only on its program and
-//! the request. With `--out` a run continues an earlier one, however that stopped ([`ArchiveFile`]): a
+//! the request. With `--out` a run continues an earlier one, even one that was killed ([`ArchiveFile`]): a
 //! program is skipped while its line is current ([`ArchiveKeys`]).
 
 use std::any::Any;
@@ -48,7 +48,7 @@ pub struct ArchiveRequest {
     pub out: Option<PathBuf>,
     /// `true` to list the outstanding programs instead.
     pub is_list: bool,
-    /// Programs processed at a time; `None` for one per processor.
+    /// Number of programs processed at a time; `None` for one per processor.
     pub jobs: Option<NonZero<usize>>,
 }
 
@@ -143,7 +143,7 @@ impl ArchiveRequest {
         }
     }
 
-    /// Returns the prediction of a program, its tolerances one after another.
+    /// Returns the prediction of a program; its tolerances are simulated one after another.
     fn prediction(&self, file: &Path, bytes: Vec<u8>) -> Result<Prediction, CommandError> {
         let toolpath = trace_text(bytes, &self.options, &self.machine);
         if let Some(reason) = declined(&toolpath) {
@@ -225,7 +225,7 @@ impl Progress {
     }
 }
 
-/// Prints the programs, a line of JSON each.
+/// Prints the programs, each as a line of JSON.
 fn list(to_do: &[FoundProgram]) -> Result<(), CommandError> {
     let line = |found: &FoundProgram| {
         let path = name(place(found));

@@ -1,8 +1,8 @@
-//! The file of an archive, `--ndjson --out`: whole lines, written by one run at a time, without loss.
+//! The file of an archive, `--ndjson --out`: whole lines, written without loss by one run at a time.
 //!
 //! Each line is written by a single call, so that a killed run leaves whole lines and at most a part of one
-//! more, which the next run removes. Lines of programs outside the request are kept. A file with other
-//! content is refused.
+//! further line, which the next run removes. Lines of programs outside the request are kept. A file with
+//! other content is refused.
 
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -80,7 +80,8 @@ fn lines(
     let (mut kept, mut current) = (Vec::new(), HashSet::new());
     for (index, line) in before.split_inclusive(|byte| *byte == b'\n').enumerate() {
         let Some(owner) = LineOwner::of(line) else {
-            // A part of a line, from a killed run; the first one must show that it is a prediction.
+            // A part of a line, from a killed run; if it is the first line, it must be recognisable as a
+            // prediction.
             let is_part = match LineBeginning::of(line) {
                 LineBeginning::Line => true,
                 LineBeginning::Perhaps => 0 < index,

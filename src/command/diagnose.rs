@@ -53,7 +53,7 @@ pub fn diagnose(parser: &mut lexopt::Parser) -> Result<(), CommandError> {
             Err(error) => return Err(refusal(&pair.recording, &error)),
         }
     }
-    // The operator's actions are to be found, whether or not a switch was recorded.
+    // Recorded switches are ignored, so that the diagnosis finds the operator's actions with or without them.
     let runs: Vec<Run> = recorded.iter().map(AlignedRun::run_ignoring_overrides).collect();
     let names: Vec<String> = pairs.iter().map(ProgramRun::name).collect();
     let diagnosis = diagnosed(&machine, &runs, &mut |_| {});

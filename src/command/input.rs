@@ -13,7 +13,7 @@ use truefeed::simulation::toolpath::Toolpath;
 
 use crate::command::{CommandError, declined};
 
-/// Maximum length of a program or a recording, bytes: three times the longest program the project has seen.
+/// Maximum length of a program or a recording, bytes: three times the longest program known to the project.
 const MAX_DATA_BYTES: u64 = 1 << 30;
 
 /// Maximum length of a machine file or a cutting job, bytes: a thousand times a usual one.
@@ -68,7 +68,8 @@ fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, CommandError> {
     })
 }
 
-/// Reads to the end of a source that announces `length` bytes. Returns `None` if it holds more than `max_bytes`.
+/// Reads to the end of a source that announces `length` bytes. Returns `None` if the source holds more than
+/// `max_bytes`.
 fn read_within(source: impl Read, length: u64, max_bytes: u64) -> std::io::Result<Option<Vec<u8>>> {
     if max_bytes < length {
         return Ok(None);

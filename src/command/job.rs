@@ -60,7 +60,7 @@ pub fn job(parser: &mut lexopt::Parser) -> Result<(), CommandError> {
     }
 }
 
-/// A job with its path, which file names are relative to.
+/// A job with its path, to which the names of its files are relative.
 struct JobFiles {
     path: PathBuf,
     job: JobFile,
@@ -68,7 +68,7 @@ struct JobFiles {
 
 impl JobFiles {
     fn new(path: PathBuf) -> Result<JobFiles, CommandError> {
-        // A job may contain its programs.
+        // A job may contain its programs, so that it may be as long as these.
         let text = String::from_utf8(bytes_of(&path)?).map_err(|error| {
             format!("{}: not UTF-8 text at byte {}", path.display(), error.utf8_error().valid_up_to())
         })?;
@@ -80,7 +80,7 @@ impl JobFiles {
     fn file(&self, name: &str) -> PathBuf {
         match self.path.parent() {
             Some(folder) if folder != Path::new("") => folder.join(name),
-            // So that `-` is a file of that name.
+            // With a folder before it, `-` is a file of that name.
             _ => Path::new(".").join(name),
         }
     }

@@ -58,14 +58,14 @@ pub fn arc_centers(parser: &mut lexopt::Parser) -> Result<ArcCenters, CommandErr
     ArcCenters::from_word(&word).ok_or_else(|| format!("--arc-centres {word}: expected {known}"))
 }
 
-/// Returns the reason why a program is not quoted at all, with the line that shows it; `None` if it is
+/// Returns the reason why a program cannot be quoted, with the line that causes it; `None` if it can be
 /// quoted.
 pub fn declined(toolpath: &Toolpath) -> Option<CommandError> {
     let Diagnostic { line, message, .. } = toolpath.declined.as_ref()?;
     Some(format!("line {}: {message}", line.0))
 }
 
-/// Prints a text; a closed standard output is no error.
+/// Prints a text; a closed standard output is not an error.
 pub fn print(text: &str) -> Result<(), CommandError> {
     match writeln!(std::io::stdout(), "{text}") {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.to_string()),

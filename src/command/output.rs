@@ -1,5 +1,6 @@
-//! Output files of commands. A regular file is replaced as a whole or not at all; no output replaces an input
-//! of its command, and anything but a regular file (a pipe, a terminal, `/dev/null`) is written through.
+//! Output files of commands. A regular file is replaced as a whole or not at all, and never if it is an input
+//! of the command. Output to anything but a regular file (a pipe, a terminal, `/dev/null`) is written to it
+//! directly.
 
 use std::fs::{File, Metadata, OpenOptions, metadata};
 use std::io::{ErrorKind, Write, stdout};
@@ -26,7 +27,7 @@ pub enum OutputKind {
     Standard,
     /// Through the path, to a pipe or a device.
     Stream,
-    /// By a new file at this path, which is no symbolic link.
+    /// By a new file at this path, which is not a symbolic link.
     File(PathBuf),
 }
 
@@ -112,7 +113,7 @@ impl OutputKind {
     }
 }
 
-/// Opens a target that is no regular file.
+/// Opens a target that is not a regular file.
 pub fn stream(path: &Path) -> std::io::Result<File> {
     OpenOptions::new().write(true).open(path)
 }
@@ -121,13 +122,13 @@ pub fn stream(path: &Path) -> std::io::Result<File> {
 /// replace it.
 pub fn prepared(place: &Path, content: &[u8]) -> std::io::Result<NamedTempFile> {
     let mut file = beside(place)?;
-    // Before the content is written, which others may not be allowed to read.
+    // The mode is set before the content is written, which others may not be allowed to read.
     if let Ok(old) = metadata(place) {
         keep_owner(file.as_file(), &old);
         file.as_file().set_permissions(old.permissions())?;
     }
     file.write_all(content)?;
-    // The content must reach the disk before the name does.
+    // The content must be on the disk before the file has its name.
     file.as_file().sync_all()?;
     Ok(file)
 }
@@ -136,13 +137,14 @@ pub fn prepared(place: &Path, content: &[u8]) -> std::io::Result<NamedTempFile> 
 fn beside(place: &Path) -> std::io::Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(".truefeed-").suffix(".part").append(true);
-    // With the mode of any new file, not readable only by its owner.
+    // The mode is that of any new file; the default of temporary files would restrict reading to the owner.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder_of(place))
 }
 
-/// Returns the identity of the file that writing to `path` replaces; `None` if it is written through.
+/// Returns the identity of the file that an output to `path` replaces; `None` if the output is written
+/// directly.
 fn replaced(path: &Path) -> Option<Identity> {
     let is_regular = metadata(path).map_or(true, |found| found.is_file());
     is_regular.then(|| identity(path)).flatten()
@@ -204,8 +206,8 @@ fn folder_of(path: &Path) -> &Path {
     if parent == Path::new("") { Path::new(".") } else { parent }
 }
 
-/// Gives a file the owner and group of another. Only the superuser may do so; for anyone else the file keeps
-/// its own.
+/// Gives a file the owner and group of another. Only the superuser may do so; for other users the owner and
+/// group of the file do not change.
 fn keep_owner(file: &File, old: &Metadata) {
     #[cfg(unix)]
     {

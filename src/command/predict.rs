@@ -103,7 +103,7 @@ fn predict_one(request: PredictRequest) -> Result<(), CommandError> {
         none if none.is_empty() => vec![Tolerances::Programmed],
         given => given.into_iter().map(Tolerances::One).collect(),
     };
-    // A plan is large: it is dropped once its results are computed.
+    // A plan is large, and so is dropped once its results are computed.
     let is_kept = |index: usize| cut.is_some() || (index == 0 && profile.is_some());
     let results = side_by_side(tolerances.len(), |index| {
         let tolerance = tolerances[index];
@@ -291,7 +291,7 @@ fn parts(quote: &Quote) -> String {
     text
 }
 
-/// Describes the range of one tolerance of the program.
+/// Returns a line on the range of one tolerance of the program.
 fn tolerance_range_text(held: &ToleranceRange) -> String {
     let (first, last) = (held.lines.0.0, held.lines.1.0);
     let what = match held.blending {

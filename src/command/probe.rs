@@ -1,4 +1,4 @@
-//! `truefeed probe`: a short program on which two causes look different.
+//! `truefeed probe`: a short program that separates two causes.
 
 use std::path::PathBuf;
 

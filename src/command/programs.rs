@@ -1,9 +1,9 @@
 //! Files and folders → the programs among them.
 //!
-//! A named file is a program, whatever its content. In a folder and its subfolders a file is a program by its
-//! extension, unless it holds binary data or a recording, or by its content: most of its first lines are
-//! blocks. Names that begin with a dot are ignored, and links to folders are not followed, so that the search
-//! ends.
+//! A file given by its path is a program, whatever its content. In a folder and its subfolders a file is a
+//! program if it has the extension of one and contains neither binary data nor a recording, or if most of its
+//! first lines are blocks. Names that begin with a dot are ignored, and links to folders are not followed, so
+//! that the search ends.
 
 use std::ffi::OsStr;
 use std::fs::{DirEntry, File};
@@ -82,7 +82,8 @@ fn holds_blocks(head: &[u8]) -> bool {
     0 < words && lines.len() * 9 <= blocks * 10
 }
 
-/// `%`, `(remark)`, `;remark`, `N10 …`, `/…`, or an address with its number at once.
+/// Returns `true` for `%`, `(remark)`, `;remark`, `N10 …`, `/…`, or an address directly followed by its
+/// number.
 fn is_block(line: &str) -> bool {
     let line = line.trim_start_matches('/');
     if line.is_empty() || line.starts_with(['%', '(', ';', '#', ':']) {

@@ -1,4 +1,5 @@
-//! Toolpath → engagement: where along the path the teeth are in the material, and the removed volume.
+//! Toolpath → engagement: the places along the path where the teeth are in the material, and the removed
+//! volume.
 //!
 //! The mill moves along the programmed path over the height map. At each place the half of its circumference
 //! that moves forward is compared with the material:
@@ -11,12 +12,12 @@
 //! ```
 //!
 //! A sector is a range of φ with the depth of material above the tip of the tool. The map lags a few cells
-//! behind the tool, so that material being cut is still in it; within ten degrees of either side, where a
-//! chip is thinner than a fifth of the feed and a cell says little, the neighbouring sector is extended.
-//! Angles are accurate to a few a/R (a side of a cell, R radius), radial depth to a few cells.
+//! behind the tool, so that it still contains the material being cut. Within ten degrees of either side a
+//! chip is thinner than a fifth of the feed and the cells are too coarse; there the neighbouring sector is
+//! extended. Angles are accurate to a few a/R (a side of a cell, R radius), radial depth to a few cells.
 //!
-//! Left out: cutting by the bottom when the tool goes straight down (its volume counts), the shape
-//! of a rounded corner of the tool in the sectors, and the deviation of the real path from the
+//! Limits: ignored are cutting by the bottom when the tool moves straight down (the volume is included), the
+//! shape of a rounded corner of the tool in the sectors, and the deviation of the real path from the
 //! programmed one, which is within the contour tolerance.
 
 use std::collections::VecDeque;
@@ -33,7 +34,7 @@ use crate::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause, Tool
 pub struct Sector {
     /// Angle at which a tooth enters, rad, 0 to π.
     pub entry: f64,
-    /// Angle at which it leaves, rad, above `entry`, at most π.
+    /// Angle at which the tooth leaves, rad, above `entry`, at most π.
     pub exit: f64,
     /// Depth of the material above the tip, mm.
     pub depth: f64,
@@ -54,7 +55,7 @@ pub struct CutPlace {
     pub removed: f64,
     /// Share of the motion that is level, 0 straight down to 1.
     pub level: f64,
-    /// Indices of its sectors.
+    /// Indices of the sectors at the place.
     sectors: Range<usize>,
 }
 
@@ -65,7 +66,7 @@ pub struct Collision {
     pub segment: usize,
     /// Line of the program.
     pub line: u32,
-    /// Distance along the path at which it begins, mm.
+    /// Distance along the path at which the collision begins, mm.
     pub distance: f64,
     /// Volume removed, mm³.
     pub removed: f64,
@@ -129,7 +130,7 @@ struct PendingStep {
     owner: VolumeOwner,
 }
 
-/// The owner of a removed volume.
+/// The place or collision to which a removed volume belongs.
 #[derive(Clone, Copy)]
 enum VolumeOwner {
     Place(usize),
@@ -151,7 +152,8 @@ struct ToolRun<'a> {
 ///
 /// # Errors
 ///
-/// If the set-up has no stock or no tool for a place, if rotary axes turn, or if a line is too long for the cells.
+/// Returns an error if the set-up has no stock or no tool for a place, if rotary axes turn, or if a line is
+/// too long for the cells.
 ///
 /// # Examples
 ///
@@ -180,7 +182,7 @@ pub fn engagement(toolpath: &Toolpath, setup: &Setup) -> Result<Engagement, Cutt
 ///
 /// # Errors
 ///
-/// As [`engagement`].
+/// Returns the errors of [`engagement`].
 pub fn engagement_with_progress(
     toolpath: &Toolpath,
     setup: &Setup,
@@ -381,7 +383,8 @@ impl<'a> ToolRun<'a> {
         let first = sectors.len();
         let mut count = 0.0;
         for bin in 0..bins {
-            // A single bin is a cell at most; material that its neighbours do not see is not there.
+            // A single bin is at most a cell wide; material in one bin only, and not in its neighbours, is an
+            // artefact.
             let (before, after) = (depths[bin.saturating_sub(1)], depths[(bin + 1).min(bins - 1)]);
             let depth = depths[bin].clamp(before.min(after), before.max(after));
             let (entry, exit) = (bin as f64 * width, (bin + 1) as f64 * width);

@@ -9,18 +9,19 @@
 //! dF_z =  dF_a,   dM = R dF_t
 //! ```
 //!
-//! θ rotation, N number of teeth, β helix angle, R radius; mm, N, N·mm. Along z each integral over a
-//! tooth has a closed form: with φ_m the angle in the middle of the part in material and w half of
-//! its turn, ∫ sin aφ dz = Δz sin aφ_m · sin(aw)/(aw), which holds without helix too. The mean
-//! over a revolution has one in φ by the same formula, and does not depend on the helix. The peak is
-//! sought in steps of three degrees and wherever an end of an edge enters or leaves.
+//! θ rotation, N number of teeth, β helix angle, R radius; mm, N, N·mm. Along z each integral over a tooth
+//! has a closed form: with φ_m the angle in the middle of the part in material and w half of its turn, ∫ sin
+//! aφ dz = Δz sin aφ_m · sin(aw)/(aw), which is valid without helix too. The mean over a revolution is an
+//! integral over φ by the same formula, and does not depend on the helix. The peak is searched for in steps
+//! of three degrees and wherever an end of an edge enters or leaves.
 //!
-//! With run-out ρ the teeth lie on unequal radii r_j = ρ cos(2π j / N − z tan β / R), a chip is what the
-//! teeth before have left, h_j = max(0, min over m of m f sin φ + r_j − r_(j+m)), and the integrals
+//! With run-out ρ the teeth lie on unequal radii r_j = ρ cos(2π j / N − z tan β / R), a chip is the material
+//! that the teeth before have left, h_j = max(0, min over m of m f sin φ + r_j − r_(j+m)), and the integrals
 //! are sums over slices.
 //!
 //! Source: Altintas, Manufacturing Automation, 2nd ed. 2012, Sect. 2.8; run-out: Kline and DeVor 1983.
-//! Left out: deflection of the tool, the trochoidal path of a tooth (f ≪ R), cutting by the bottom.
+//! Limits: the deflection of the tool, the trochoidal path of a tooth (f ≪ R), and cutting by the bottom are
+//! ignored.
 
 use std::f64::consts::{PI, TAU};
 
@@ -28,16 +29,16 @@ use crate::cutting::engagement::Sector;
 use crate::cutting::materials::Coefficients;
 use crate::cutting::setup::Mill;
 
-/// A mill as its force is computed.
+/// The values of a mill from which its force is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotor {
-    /// R, mm.
+    /// Radius R, mm.
     pub radius: f64,
-    /// N.
+    /// Number of teeth N.
     pub teeth: u32,
     /// tan β / R, rad/mm.
     pub lag: f64,
-    /// ρ, mm.
+    /// Run-out ρ, mm.
     pub runout: f64,
     /// Coefficients of tool and material.
     pub coefficients: Coefficients,
@@ -142,7 +143,7 @@ impl Rotor {
             let tip = (rotation + TAU * f64::from(tooth) / f64::from(self.teeth)).rem_euclid(TAU);
             for sector in sectors {
                 let turned = self.lag * sector.depth;
-                // A long edge may meet the same sector again a turn further back.
+                // A long edge may pass through the same sector again one turn further back.
                 let turns = (turned.abs() / TAU).ceil() as i32 + 1;
                 for turn in -turns..=turns {
                     let tip = tip + TAU * f64::from(turn);
@@ -225,8 +226,8 @@ impl Rotor {
         sectors.iter().map(top).fold(0.0, f64::max)
     }
 
-    /// Returns how much larger the radius of a tooth is than that of each tooth before it, the nearest first,
-    /// mm, at a height where the edge lies `back` (rad) behind its tip.
+    /// Returns the excess of the radius of a tooth over that of each tooth before it, the nearest first, mm,
+    /// at a height where the edge lies `back` (rad) behind its tip.
     fn leads(&self, tooth: u32, back: f64) -> Vec<f64> {
         let pitch = TAU / f64::from(self.teeth);
         let radius = |tooth: u32| self.runout * (pitch * f64::from(tooth) - back).cos();

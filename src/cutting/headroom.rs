@@ -1,18 +1,18 @@
-//! Loads at raised feedrates → headroom: where the programmed feedrate could be higher.
+//! Loads at raised feedrates → headroom: the parts of the path where the programmed feedrate could be higher.
 //!
 //! The load at each place is also computed at the programmed feedrate times 1.1, 1.2, … 3. The headroom is
-//! the largest of these factors up to which no limit of tool or spindle is exceeded; there is none if nothing
-//! limits, or if the path is too steep for a known load. An operation with headroom everywhere is reported as
-//! a whole, by programmed feedrate, any other by its parts with headroom.
+//! the largest of these factors up to which no limit of tool or spindle is exceeded; there is no headroom if
+//! tool and spindle have no limits, or if the path is too steep for a known load. An operation with headroom
+//! everywhere is reported as a whole, by programmed feedrate; any other operation by its parts with headroom.
 //!
-//! The saved time refers to the programmed feedrate. If the machine does not reach that, as the predicted
-//! feedrate shows, a higher one saves less or nothing.
+//! The saved time refers to the programmed feedrate. If the machine does not reach it, as the predicted
+//! feedrate shows, a higher programmed feedrate saves less or nothing.
 
 use crate::cutting::engagement::{CutPlace, Engagement};
 use crate::cutting::limits::{FEED_FACTORS, LimitKind, MAX_GAP_MM};
 use crate::simulation::ordered::sort_by_number;
 
-/// Least path through material that is reported, mm.
+/// Least length through material that is reported, mm.
 const MIN_PART_MM: f64 = 20.0;
 
 /// Most parts that are reported, by the time they save.
@@ -46,7 +46,8 @@ impl Headroom {
     }
 }
 
-/// The headroom at one place: the number of factors that fit, and the limit that the next one exceeds.
+/// The headroom at one place: the number of factors within all limits, and the limit that the next factor
+/// exceeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlaceHeadroom {
     pub operation: usize,

@@ -22,11 +22,11 @@ pub enum LimitKind {
     SpindlePower,
 }
 
-/// Largest distance between two exceedings that count as one, mm.
+/// Largest distance between two places beyond a limit that count as one part, mm.
 pub(crate) const MAX_GAP_MM: f64 = 10.0;
 
 /// Factors on the programmed feedrate.
 pub(crate) const FEED_FACTORS: [f64; 8] = [1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0];
 
-/// Least level share of a motion with a known load: on steeper ones the bottom cuts.
+/// Least level share of a motion with a known load: on steeper motions the bottom cuts.
 pub(crate) const MIN_LEVEL_SHARE: f64 = 0.5;

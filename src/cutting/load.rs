@@ -6,8 +6,8 @@
 //! Q = V v / L          removal rate from the volume V removed over a stretch of length L
 //! ```
 //!
-//! One engagement is loaded with any number of feedrates: the programmed ones and those of the profile.
-//! Lengths in mm, times in s, forces in N, torques in N·mm, power in N·mm/s.
+//! The loads of one engagement are computed for any number of feedrates per place: the programmed one and
+//! that of the profile. Lengths in mm, times in s, forces in N, torques in N·mm, power in N·mm/s.
 
 use std::f64::consts::TAU;
 
@@ -41,7 +41,7 @@ pub struct CutLoad {
     pub deflection: f64,
 }
 
-/// The largest value of a quantity, and where it occurs.
+/// The largest value of a quantity, and its place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Peak {
     /// The value, in the unit of the quantity.
@@ -55,7 +55,7 @@ pub struct Peak {
 /// The demands of an operation on tool and spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OperationLoad {
-    /// Volume removed, mm³, that of rapids included.
+    /// Volume removed, including that of rapids, mm³.
     pub removed: f64,
     /// Largest force, N.
     pub force: Peak,
@@ -68,9 +68,9 @@ pub struct OperationLoad {
 pub struct ExceededLimit {
     /// The limit.
     pub limit: LimitKind,
-    /// Its value.
+    /// Value of the limit, in the unit of the quantity.
     pub allowed: f64,
-    /// Largest value, and where it occurs.
+    /// Largest value of the quantity, and its place.
     pub peak: Peak,
     /// Least and greatest line.
     pub lines: (u32, u32),
@@ -93,7 +93,8 @@ pub struct LoadCurve {
     pub operations: Vec<OperationLoad>,
     /// Exceeded limits, by limit and distance.
     pub exceeded: Vec<ExceededLimit>,
-    /// Where the programmed feedrate could be higher; empty for the loads at the predicted feedrate.
+    /// Parts of the path where the programmed feedrate could be higher; empty for the loads at the predicted
+    /// feedrate.
     pub headroom: Vec<Headroom>,
     /// Time between predicted feedrates if they are too few to follow the profile, s.
     pub spacing: Option<f64>,
@@ -274,7 +275,7 @@ fn limit_met<'a>(
     loads.map(met).enumerate().find_map(|(step, met)| Some((step, met?)))
 }
 
-/// Returns the spindle speed on a segment, rpm, of the program or else of the set-up.
+/// Returns the spindle speed on a segment, rpm: that of the program, or else of the set-up.
 fn spindle_speed(toolpath: &Toolpath, setup: &Setup, segment: usize) -> Option<f64> {
     let before = toolpath.spins.partition_point(|(first, _)| *first <= segment);
     let programmed = before.checked_sub(1).map(|last| toolpath.spins[last].1.speed);

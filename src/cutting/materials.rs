@@ -12,8 +12,8 @@
 //!
 //! The review quoted below prints the unit of edge coefficients as N·mm; by the model it is N/mm.
 //!
-//! Source of the model: Altintas, Manufacturing Automation, 2nd ed. 2012, Sect. 2.7. Of the numbers:
-//! see each row; where a row is not `is_checked`, its numbers could not be held against the source.
+//! Source of the model: Altintas, Manufacturing Automation, 2nd ed. 2012, Sect. 2.7. Each row has the source
+//! of its numbers; if `is_checked` is `false`, the source was not available for comparison.
 
 /// Coefficients of the linear edge force model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,7 +31,7 @@ pub struct Material {
     pub word: &'static str,
     /// Name.
     pub name: &'static str,
-    /// Its coefficients.
+    /// Coefficients of the material.
     pub coefficients: Coefficients,
     /// Publication, with the tool that was used.
     pub source: &'static str,
@@ -39,7 +39,8 @@ pub struct Material {
     pub is_checked: bool,
 }
 
-/// Returns a row of the review's table, named there by the work it quotes; carbide unless stated.
+/// Returns a row of the review's table, which names each row by the work that it quotes; carbide unless
+/// stated.
 macro_rules! review {
     ($work:literal) => {
         concat!(
@@ -62,7 +63,7 @@ const fn row(
     Material { word, name, coefficients: Coefficients { cutting, edge }, source, is_checked }
 }
 
-/// The materials by keyword; the first is the paper's.
+/// The materials by keyword; the first is that of the paper.
 pub const MATERIALS: [Material; 6] = [
     row("al7075", "aluminium 7075-T6", [767.01, 168.8, 222.0], [27.7, 26.6, 0.7], review!("190"), true),
     row(

@@ -5,8 +5,8 @@
 //! engagement, feed       →  load: force, torque, power and removal rate along the path
 //! ```
 //!
-//! Forces are optional and off by default: no other result changes. An unanswerable request returns a
-//! [`CuttingError`], and the quote is not affected.
+//! Forces are optional and off by default, and change no other result. If they cannot be computed, the
+//! request returns a [`CuttingError`], and the quote is unaffected.
 
 mod engagement;
 mod force;

@@ -16,13 +16,13 @@ pub struct Setup {
     pub resolution: Option<f64>,
     /// Coefficients of the material; `None` if not given.
     pub coefficients: Option<Coefficients>,
-    /// Material of these coefficients; `None` if any of them is the user's.
+    /// Material of the coefficients; `None` if the user gave any of them.
     pub material: Option<&'static Material>,
     /// Tool for numbers without an entry in `tools`.
     pub tool: Option<Mill>,
     /// Tools by number.
     pub tools: BTreeMap<u32, Mill>,
-    /// Spindle speed where the program sets none, rpm.
+    /// Spindle speed if the program sets none, rpm.
     pub spindle_speed: Option<f64>,
     /// Limits of the spindle; tools have other limits.
     pub spindle: LoadLimits,
@@ -56,7 +56,7 @@ pub struct Mill {
     pub limits: LoadLimits,
 }
 
-/// A sharp straight mill without a size and without limits.
+/// A sharp mill without helix, size and limits.
 impl Default for Mill {
     fn default() -> Mill {
         let limits = LoadLimits::default();
@@ -130,7 +130,7 @@ pub enum CuttingError {
     TooLong {
         /// Side of a cell, mm.
         resolution: f64,
-        /// Line that was reached.
+        /// Line at which the computation stopped.
         line: u32,
     },
     /// No coefficients are given.
@@ -141,7 +141,7 @@ pub enum CuttingError {
     UnknownTool {
         /// Number of the tool; `None` if the program gives none.
         tool: Option<u32>,
-        /// Line of its first move.
+        /// Line of the first move of the tool.
         line: u32,
     },
     /// A tool that cuts has no diameter.
@@ -149,7 +149,7 @@ pub enum CuttingError {
     NoDiameter {
         /// Number of the tool; `None` if the program gives none.
         tool: Option<u32>,
-        /// Line of its first move.
+        /// Line of the first move of the tool.
         line: u32,
     },
     /// A tool that cuts has no number of teeth.
@@ -157,7 +157,7 @@ pub enum CuttingError {
     NoTeeth {
         /// Number of the tool; `None` if the program gives none.
         tool: Option<u32>,
-        /// Line of its first move.
+        /// Line of the first move of the tool.
         line: u32,
     },
     /// Material is cut while no spindle speed is known.
@@ -195,11 +195,13 @@ impl CuttingError {
     }
 }
 
-/// Diameter of a plain rod as stiff as a fluted mill, as a part of the mill's (Kops and Vo 1990).
+/// Diameter of a plain rod as stiff as a fluted mill, as a part of the diameter of the mill (Kops and Vo
+/// 1990).
 const EQUIVALENT_ROD_RATIO: f64 = 0.8;
 
-/// Returns the deflection of the tip of a mill of this diameter (mm), mm/N: of a rod held `overhang` (mm)
-/// above it, with Young's `modulus` (N/mm²), L³ / (3 E I) with I = π (0.8 D)⁴ / 64.
+/// Returns the deflection of the tip of a mill by a force, mm/N. The mill is a rod of the diameter 0.8 D that
+/// is clamped at the distance L from the tip: L³ / (3 E I) with I = π (0.8 D)⁴ / 64, where D is `diameter`
+/// (mm), L `overhang` (mm) and E Young's `modulus` (N/mm²).
 pub fn compliance(diameter: f64, overhang: f64, modulus: f64) -> f64 {
     let inertia = std::f64::consts::PI / 64.0 * (EQUIVALENT_ROD_RATIO * diameter).powi(4);
     overhang.powi(3) / (3.0 * modulus * inertia)
@@ -212,7 +214,7 @@ const CELLS_PER_RADIUS: f64 = 50.0;
 pub(crate) const MAX_MAP_CELLS: f64 = 4e6;
 
 impl Setup {
-    /// Returns the tool of a number; `None` means a program that gives none.
+    /// Returns the tool with a number; `None` if the program gives none.
     ///
     /// # Errors
     ///
@@ -227,8 +229,8 @@ impl Setup {
         }
     }
 
-    /// Returns the side of a cell, mm: the chosen one, or a fiftieth of the least radius, or the finest that
-    /// the stock allows.
+    /// Returns the side of a cell, mm: the chosen one, or else a fiftieth of the least radius, or the finest
+    /// that the stock allows if that is coarser.
     pub fn resolution(&self, stock: &StockBox) -> f64 {
         let mills = self.tools.values().chain(&self.tool);
         let least = mills.filter_map(|mill| mill.diameter).fold(f64::INFINITY, f64::min);

@@ -1,15 +1,15 @@
 //! The stock as a height map, cut by a mill step by step.
 //!
-//! Each cell of side a (mm) holds the height of the material at its centre; what the mill passes
-//! over is taken down to its bottom. A mill of radius R cuts the cells whose centres it covers, so
-//! the area it sweeps is known but for a strip of half a cell along its border,
+//! Each cell of side a (mm) holds the height of the material at its centre; the mill lowers the cells that it
+//! passes over to the height of its bottom. A mill of radius R cuts the cells whose centres it covers, so
+//! that the area it sweeps is known except for a strip of half a cell along its border,
 //!
 //! ```text
 //! |ΔV| ≤ ½ √2 a · border · depth        borders average out, so it is less in practice
 //! ```
 //!
-//! A step from P to Q costs the rows under the mill and the cells it newly covers; where the mill
-//! goes down, all cells it covers. Overhanging material cannot be held.
+//! The work of a step from P to Q grows with the rows under the mill and the newly covered cells; if the mill
+//! moves down, with all cells it covers. A height map cannot represent overhanging material.
 
 use crate::cutting::setup::{CuttingError, MAX_MAP_CELLS, Mill, StockBox};
 use crate::simulation::toolpath::Point;
@@ -32,7 +32,7 @@ pub struct HeightMap {
 }
 
 impl HeightMap {
-    /// Returns the untouched stock in cells of `resolution` (mm) or a little less.
+    /// Returns the untouched stock, with cells of `resolution` (mm) or a little less.
     ///
     /// # Errors
     ///
@@ -111,14 +111,14 @@ impl HeightMap {
         (from < to).then_some((from, to))
     }
 
-    /// Cuts with the tip of a mill at `to`; returns the removed volume, mm³. `from` is where the same mill
-    /// cut last, so near that it passes over nothing in between.
+    /// Cuts with the tip of a mill at `to`; returns the removed volume, mm³. `from` is the position of the
+    /// last cut of the same mill, near enough that no cell lies between the two cuts.
     pub fn cut(&mut self, mill: &Mill, from: Option<Point>, to: Point) -> f64 {
         let radius = mill.radius();
         if self.is_clear(radius, to, to) {
             return 0.0;
         }
-        // The flat of the mill leaves nothing from the step before, unless it moves down.
+        // Below the flat of the mill the step before has left no material, unless the mill moves down.
         let flat = radius - mill.corner_radius.min(radius);
         let done = from.filter(|from| from.z <= to.z && 0.0 < flat);
         let mut removed = 0.0;

@@ -1,8 +1,8 @@
-//! Block supply: the feedrate by which a control plans its corners if it is short of blocks.
+//! Block supply: the feedrate by which a control plans its corners if blocks are too short.
 //!
 //! Block processing time and look-ahead limit the feedrate at which blocks are supplied. A control that knows
-//! this in time plans corners by that feedrate. A control that runs out of blocks has planned its corners by
-//! the requested feedrate, and runs its plan more slowly: none of its corners becomes faster.
+//! this limit in advance plans its corners by that feedrate. A control that runs out of blocks has planned
+//! its corners by the requested feedrate and runs its plan more slowly: no corner becomes faster.
 
 use crate::machine::keyword::{keyword_of, variant_of};
 use crate::machine::parameter::{Access, Parameter, finite, row, whole};

@@ -30,8 +30,8 @@ impl Extent {
 /// The features of the programs that a machine was calibrated on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CalibratedOn {
-    /// Half of the range that holds the motion time of nine in ten other programs with no more than these
-    /// features, as a part of it; `None` if unknown.
+    /// Half of the range that contains the motion time of nine in ten other programs within these features,
+    /// as a part of that time; `None` if unknown.
     pub range: Option<f64>,
     /// Turns of corners between feed moves, rad.
     pub turns: Extent,
@@ -47,9 +47,9 @@ pub struct CalibratedOn {
     pub velocities: Option<[f64; 3]>,
     /// Travel of each program along the path and in each axis, mm, by which a program is recognised.
     pub travels: Vec<[f64; 4]>,
-    /// The axes X, Y, Z whose acceleration the runs do not determine: it was taken from other axes, or is
-    /// known only together with theirs.
+    /// `true` for each of the axes X, Y, Z whose acceleration the runs do not determine: it was taken from
+    /// other axes, or is known only together with the acceleration of other axes.
     pub assumed_accelerations: [bool; 3],
-    /// The axes X, Y, Z without a rapid at its full rate in the runs.
+    /// `true` for each of the axes X, Y, Z that the runs do not show at its full rapid feedrate.
     pub assumed_rapids: [bool; 3],
 }

@@ -5,10 +5,10 @@
 //! - A feed hold interrupts the command somewhere in the middle of a line's path for a time; the filters run
 //!   empty meanwhile, as far as the time allows.
 //! - An in-position wait occurs at each full stop of the motion until the axes are within their windows.
-//!   Functions and dwells wait for the motion anyway and do not have it.
+//!   Functions and dwells wait for the motion anyway, and have no in-position wait.
 //!
-//! Lines count as often as they are run. Limits: a wait at a line without moves and functions has no effect;
-//! all in-position waits last equally long.
+//! A halt occurs each time its line is run. Limits: a wait at a line without moves and functions has no
+//! effect; all in-position waits last equally long.
 
 use std::collections::BTreeMap;
 

@@ -40,7 +40,8 @@ impl Handle {
         Handle { row: parameter(key).unwrap_or_else(|| panic!("{key} is a row of the table")), entry: None }
     }
 
-    /// Returns the key in the machine file, of an entry with its word, such as `times.m_codes.M8`.
+    /// Returns the key in the machine file; the key of an entry ends with its word, such as
+    /// `times.m_codes.M8`.
     pub fn key(&self) -> String {
         match (&self.row.access, self.entry) {
             (Access::Codes { letter, .. }, Some(number)) => format!("{}.{letter}{number}", self.row.key),
@@ -48,12 +49,12 @@ impl Handle {
         }
     }
 
-    /// Returns the table of the machine file that contains it, such as `path` or `times`.
+    /// Returns the table of the machine file that contains the parameter, such as `path` or `times`.
     pub fn table(&self) -> &'static str {
         self.row.key.split('.').next().unwrap_or_default()
     }
 
-    /// Returns the value of a machine, core units; `None` if it has none.
+    /// Returns the parameter's value on a machine, core units; `None` if the machine has none.
     pub fn get(&self, machine: &Machine) -> Option<f64> {
         match (&self.row.access, self.entry) {
             (Access::Number { get, .. }, _) => get(machine),
@@ -62,7 +63,7 @@ impl Handle {
         }
     }
 
-    /// Sets the value of a machine, core units.
+    /// Sets the parameter's value (core units) on a machine.
     pub fn set(&self, machine: &mut Machine, value: f64) {
         match (&self.row.access, self.entry) {
             (Access::Number { set, .. }, _) => set(machine, Some(value)),

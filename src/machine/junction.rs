@@ -6,17 +6,19 @@ use crate::units::Unit;
 /// The law that limits the feedrate at a corner in addition to the contour tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Junction {
-    /// No law.
+    /// No law: only the tolerance limits corners.
     Tolerance,
     /// A circle within the contour tolerance that the acceleration allows, or a parabola, as in LinuxCNC.
     AccelerationBlend,
-    /// A parabola alone, as in LinuxCNC without arc blends.
+    /// Only a parabola, as in LinuxCNC without arc blends.
     ParabolicBlend,
-    /// A stop wherever the acceleration does not allow the corner itself, as in LinuxCNC's exact path mode.
+    /// A stop at each corner that the acceleration does not allow without a blend, as in LinuxCNC's exact
+    /// path mode.
     ExactPath,
     /// The acceleration on a circle that passes the corner at this distance, mm, as in grbl.
     Deviation(f64),
-    /// This feedrate at a corner of 90°, mm/s, and the same circle at others, as in Klipper.
+    /// This feedrate at a corner of 90°, mm/s, and at other corners the same centripetal acceleration on a
+    /// circle that passes them equally closely, as in Klipper.
     SquareCorner(f64),
     /// This step of velocity of any axis, mm/s, as in Marlin.
     AxisStep(f64),
@@ -38,7 +40,7 @@ impl Junction {
 }
 
 /// The rows of the law. Each law with a value has a row, so that the value carries its unit; setting the
-/// value selects the law, and clearing it clears that law alone.
+/// value selects the law, and clearing it clears only that law.
 pub(super) const JUNCTION: [Parameter; 8] = [
     Parameter {
         key: "interpolator.junction_rule",

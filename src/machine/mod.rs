@@ -1,8 +1,8 @@
 //! The machine: every parameter of control and axes that the simulation reads.
 //!
-//! Each physical effect is a parameter with a neutral value at which it does nothing; a limit is neutral at
-//! infinity, a ratio at 1, a time at 0. The simulation reads only these fields, and the diagnosis frees them.
-//! Derived quantities are computed where they are needed, never stored.
+//! Each physical effect is a parameter with a neutral value at which it has no effect: infinity for a limit,
+//! 1 for a ratio, 0 for a time. The simulation reads only these fields, and the diagnosis fits them. Derived
+//! quantities are computed where they are needed, never stored.
 //!
 //! Source of the interpolator's fields: Ward, Sencer, Jones and Ozturk 2021, Sect. 2 and 3.
 
@@ -49,7 +49,7 @@ pub struct Machine {
     pub provenance: String,
     /// Relative error of the cycle time at the calibration; `None` if unknown.
     pub cycle_time_error: Option<f64>,
-    /// Lost time that the calibration left unexplained, by region without cancellation, as a part of the
+    /// Sum of the sizes of the unexplained times of all regions after the calibration, as a part of the
     /// recorded time.
     pub unexplained_time: Option<f64>,
     /// RMS distance of recorded from simulated positions at equal times after the calibration, mm.
@@ -74,7 +74,7 @@ pub struct Machine {
     pub work_offsets: [Option<[f64; 3]>; 6],
     /// Override switches.
     pub overrides: Overrides,
-    /// Recorder of its runs.
+    /// Recorder of the machine's runs.
     pub recorder: Recorder,
     /// Settings that cycles leave to the control.
     pub cycles: CycleSettings,
@@ -101,21 +101,21 @@ pub struct Interpolator {
     pub contour_tolerance: f64,
     /// Contour tolerance along arcs, mm; neutral `None`: that of corners.
     pub arc_tolerance: Option<f64>,
-    /// Where the tolerance holds.
+    /// Places at which the tolerance is kept.
     pub corner_mode: CornerMode,
     /// Junction law; neutral the tolerance alone.
     pub junction: Junction,
-    /// Full stop where the path turns by more than this, rad; neutral π.
+    /// Turn of the path beyond which the motion stops, rad; neutral π.
     pub exact_stop_angle: f64,
     /// Corners are slowed by the fourth power of their turn, down to a full stop at this turn, rad; neutral
     /// infinite.
     pub slowing_angle: f64,
     /// Turn of a chord of an arc, rad: a command held for a corner on an arc ends with the first chord.
-    /// Neutral at 20π or more: an arc is one block. 1° by default.
+    /// Neutral at 20π or more: an arc is one block. Default 1°.
     pub arc_step: f64,
     /// Chords into which an arc is cut before planning; none when neutral.
     pub arc_chords: ArcChords,
-    /// Largest feed override for which blends are planned, as a ratio.
+    /// Largest feed override for which the control plans blends, as a ratio.
     pub max_override: f64,
     /// Least share of cruising in a move that speeds up and slows down, 0 to 1; neutral 0.
     pub minimum_cruise_ratio: f64,
@@ -125,10 +125,11 @@ pub struct Interpolator {
     pub look_ahead: f64,
     /// Feedrate by which corners are planned if block processing limits the feedrate.
     pub planned_by: CornerPlanning,
-    /// Lines whose points are within this distance of one line are merged, mm; 0 merges none; neutral `None`:
-    /// as the program says under the junction law of LinuxCNC, else 0.
+    /// Largest distance of points from a line that replaces the lines between them, mm; 0 merges none;
+    /// neutral `None`: as the program sets it under the junction law of LinuxCNC, else 0.
     pub path_smoothing: Option<f64>,
-    /// Corners between lines are not slowed if a curve passes within this distance, mm; neutral 0.
+    /// Distance within which a curve must pass a corner between lines for the corner not to be slowed, mm;
+    /// neutral 0.
     pub corner_smoothing: f64,
 }
 
@@ -154,7 +155,7 @@ pub enum ArcChords {
     Long(f64),
 }
 
-/// Where the contour tolerance holds.
+/// The places at which the contour tolerance is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CornerMode {
     /// At each corner as if it were isolated, as published.
@@ -201,13 +202,13 @@ pub struct RapidMoves {
     pub exact_stop: bool,
     /// Time constants of the filters during rapid moves; neutral `None`: those of feed moves.
     pub time_constants: Option<TimeConstants>,
-    /// Jerk of the axis that moves furthest, mm/s³, if each rapid runs from rest to rest with ramps that grow
-    /// with the speed it reaches; neutral infinite: rapids do not.
+    /// Jerk of the axis that moves farthest, mm/s³, if each rapid runs from rest to rest with ramps that grow
+    /// with the speed it reaches; neutral infinite: rapids have the ramps of other moves.
     pub positioning_jerk: f64,
 }
 
-/// Tolerances of the control's levels, mm; neutral `None`: unknown, and the machine's contour tolerance
-/// holds.
+/// Tolerances of the control's levels, mm; neutral `None`: unknown, so that the machine's contour tolerance
+/// applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathModes {
     /// Of G187 P1.
@@ -231,8 +232,8 @@ pub struct PathLimits {
     pub acceleration: f64,
     /// Jerk along the path of each change of the command, mm/s³; neutral infinite.
     pub jerk: f64,
-    /// `true` if the acceleration limits, also those of axes, shape the command before the filters; neutral
-    /// `false`: the filtered motion is run more slowly where it exceeds one.
+    /// `true` if the acceleration limits of path and axes shape the command before the filters; neutral
+    /// `false`: the machine runs the filtered motion more slowly where it exceeds a limit.
     pub limits_command: bool,
     /// Acceleration towards the centre of an arc, mm/s²; neutral infinite.
     pub centripetal_acceleration: f64,
@@ -291,8 +292,8 @@ pub struct Overrides {
     pub rapid: f64,
     /// First and last line of the program to which the override of feed moves applies; neutral all.
     pub lines: (u32, u32),
-    /// Distances along the path (mm) between which it applies as well; neutral all. A switch is turned at a moment,
-    /// not between two lines.
+    /// Distances along the path (mm) to which the override of feed moves is limited in addition; neutral all.
+    /// An operator may turn the switch in the middle of a line.
     pub span: (f64, f64),
     /// Ratios of feed moves from each line of the program to the next entry; none when neutral.
     pub feed_by_line: BTreeMap<u32, f64>,
@@ -306,7 +307,7 @@ impl Overrides {
         self.of_feed_within(line) * Overrides::at(&self.feed_by_line, line)
     }
 
-    /// Returns the override of feed moves on a line by `lines` and `feed` alone, as within `span`.
+    /// Returns the override of feed moves on a line within `span`, which depends only on `lines` and `feed`.
     pub fn of_feed_within(&self, line: u32) -> f64 {
         if self.lines.0 <= line && line <= self.lines.1 { self.feed } else { 1.0 }
     }
@@ -340,7 +341,7 @@ impl Overrides {
 /// The recorder of the machine's runs; it does not change the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recorder {
-    /// Time on its clock over true time; neutral 1.
+    /// Time on the recorder's clock over true time; neutral 1.
     pub clock_ratio: f64,
 }
 
@@ -353,22 +354,22 @@ pub struct CycleSettings {
     /// dialect.
     pub peck_clearance: Option<f64>,
     /// `true` if tapping in pecks (Q of G84) returns to the reference height between them; neutral `false`:
-    /// it retracts as chip breaking does.
+    /// it retracts as in chip breaking.
     pub taps_out: bool,
 }
 
 /// Interpretation of programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProgramReading {
-    /// Least input increment: length of one unit of the last place of a number without a decimal point, mm,
-    /// and a tenth of it in inch; neutral `None`: such a number is a length as written.
+    /// Least input increment: length of one unit of a number without a decimal point, mm; in inch programs a
+    /// unit is a tenth of this number in inches. Neutral `None`: such a number is a length as written.
     pub increment: Option<f64>,
 }
 
 /// A tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tool {
-    /// Diameter of the circle it cuts, mm.
+    /// Diameter of the circle that the tool cuts, mm.
     pub diameter: f64,
 }
 
@@ -380,14 +381,15 @@ pub struct Rates {
 }
 
 impl Machine {
-    /// Returns the rapid feedrate r of a move of which axis k takes the part u_k, mm/s: that of the path
-    /// within those of the axes, r = min(r_path, min_k r_k / |u_k|).
+    /// Returns the rapid feedrate r of a move of which axis k takes the part u_k, mm/s: r = min(r_path, min_k
+    /// r_k / |u_k|), limited by the path and by each axis.
     pub fn rapid_feedrate(&self, shares: [f64; 3]) -> f64 {
         let axes = self.axes.iter().zip(shares).map(|(axis, share)| axis.rapid / share.abs());
         axes.fold(self.rapid.feedrate, f64::min)
     }
 
-    /// Returns the machine without the errors of its calibration, ready for other values from `provenance`.
+    /// Returns the machine without the errors of its calibration, as the basis for values with another
+    /// `provenance`.
     pub fn to_be_changed(&self, provenance: String) -> Machine {
         Machine {
             provenance,
@@ -400,8 +402,8 @@ impl Machine {
         }
     }
 
-    /// Returns the fastest rapid feedrate in any direction, mm/s: if axes have rapid feedrates, that of the
-    /// move on which all of them reach it.
+    /// Returns the largest rapid feedrate in any direction, mm/s: if axes have rapid feedrates, that of a
+    /// move on which all axes reach theirs.
     pub fn fastest_rapid(&self) -> f64 {
         let squares = self.axes.iter().map(|axis| axis.rapid * axis.rapid);
         self.rapid.feedrate.min(squares.sum::<f64>().sqrt())
@@ -427,7 +429,8 @@ impl Machine {
     }
 }
 
-/// Without any optional effect; the five numbers that a machine file must give are those of the first preset.
+/// A machine without any optional effect; the five numbers that a machine file must give are those of the
+/// first preset.
 impl Default for Machine {
     fn default() -> Machine {
         Machine {

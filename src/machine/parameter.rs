@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use crate::machine::Machine;
 use crate::units::Unit;
 
-/// A machine parameter as files and forms show it.
+/// The description of a machine parameter for files and forms.
 pub struct Parameter {
     /// Key in the machine file, for example `rapid.feed_mm_min`.
     pub key: &'static str,
     /// Short name for forms.
     pub label: &'static str,
-    /// One sentence on its effect.
+    /// One sentence on the effect of the parameter.
     pub doc: &'static str,
     /// Type and access.
     pub access: Access,
@@ -125,14 +125,15 @@ pub(in crate::machine) const fn extent(
     Access::List { unit, min, max, whole: false, most: 2, get, set }
 }
 
-/// Bounds of jerks, and of contour tolerances.
+/// Bounds of jerks.
 pub(in crate::machine) const JERK_BOUNDS_MM_S3: (f64, f64) = (1.0, 1e9);
 pub(in crate::machine) const TOLERANCE_BOUNDS_MM: (f64, f64) = (1e-6, 10.0);
 
 /// A row of the table whose parameter is one field of the machine: key, label, access, sentence on its effect.
 ///
-/// `extent` is the extent of some values, `optional` a field that may be missing, `limit` one that is infinite when neutral, and `value` one with
-/// the neutral value behind `or`. Unit and bounds are those of files and forms.
+/// `extent` is the extent of some values, `optional` a field that may be missing, `limit` a field that is
+/// infinite when neutral, and `value` a field with the neutral value behind `or`. Unit and bounds are those
+/// of files and forms.
 macro_rules! row {
     ($key:expr, $label:expr, optional $unit:ident $bounds:tt [$($field:tt)+], $doc:expr) => {
         row!($key, $label, $unit $bounds, |m| m.$($field)+, |m, v| m.$($field)+ = v, $doc)

@@ -1,21 +1,21 @@
-//! Machines without filters: planners that ramp by an acceleration.
+//! Planners: controls that ramp by an acceleration instead of filters.
 
 use crate::machine::{ArcChords, Junction, Machine, TimeConstants};
 
-/// Time constant of the filter that a planner keeps, s: half a servo period, which has no visible effect.
+/// Time constant of the filter that a planner retains, s: half a servo period, which has no visible effect.
 pub const PLANNER_FILTER_S: f64 = 5e-4;
 
-/// Rounding of a constant in a machine file with few digits.
+/// Factor on a filter delay compared with [`PLANNER_FILTER_S`], as a machine file may round the constants up.
 const MIN_ROUNDING_RATIO: f64 = 0.999;
 
 /// A family of controls whose planner ramps in trapezoids, by its junction law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Planner {
-    /// Axes are limited in acceleration, and corners are blended at it, as in LinuxCNC.
+    /// Axes have acceleration limits, and corners are blended within these, as in LinuxCNC.
     AccelerationBlend,
-    /// Axes are limited in acceleration, and corners passed by a junction deviation, as in grbl.
+    /// Axes have acceleration limits, and a junction deviation limits corners, as in grbl.
     JunctionDeviation,
-    /// The path is limited in acceleration, and corners passed by a square-corner velocity, as in Klipper.
+    /// The path has an acceleration limit, and a square-corner velocity limits corners, as in Klipper.
     SquareCorner,
 }
 
@@ -43,8 +43,8 @@ impl Planner {
 }
 
 impl Machine {
-    /// Returns `true` if filters shape the ramps. A planner's machine file may name a filter no longer than
-    /// [`PLANNER_FILTER_S`], which counts as none.
+    /// Returns `true` if filters shape the ramps. The machine file of a planner contains a filter no longer
+    /// than [`PLANNER_FILTER_S`], which counts as none.
     pub fn has_filters(&self) -> bool {
         let interpolator = &self.interpolator;
         match (interpolator.junction, &interpolator.time_constants) {
@@ -57,8 +57,9 @@ impl Machine {
         }
     }
 
-    /// Turns the machine into one of a family of planners, with this acceleration (mm/s²) as the limit of the
-    /// family's kind, unless it has a lower one, and with the family's default settings.
+    /// Turns the machine into one of a family of planners with the default settings of the family.
+    /// `acceleration` (mm/s²) becomes the limit of all axes, or of the path and Z for
+    /// [`Planner::SquareCorner`], unless a limit is already lower.
     pub fn become_planner(&mut self, planner: Planner, acceleration: f64) {
         self.interpolator.filters = 1;
         self.interpolator.time_constants = TimeConstants::Equal(PLANNER_FILTER_S);
@@ -89,8 +90,8 @@ impl Machine {
         }
     }
 
-    /// Returns the machine with the value of its junction law multiplied by `ratio`; for blends that is the
-    /// contour tolerance.
+    /// Returns the machine with the value of its junction law multiplied by `ratio`; for blends the value is
+    /// the contour tolerance.
     pub fn with_scaled_junction(&self, ratio: f64) -> Machine {
         let mut machine = self.clone();
         match &mut machine.interpolator.junction {

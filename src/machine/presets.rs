@@ -1,4 +1,4 @@
-//! Presets: machines to begin with. Each states the source of its numbers and their limits.
+//! Presets: machines to begin with, each with the source of its numbers and their limits.
 
 use crate::machine::{Interpolator, Machine, RapidMoves, TimeConstants};
 

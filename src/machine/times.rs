@@ -1,20 +1,21 @@
 //! Times without motion: durations of the machine's functions once the axes are at rest.
 //!
-//! An M-word belongs to a group by its function. Its time is the first of these that is given: its
-//! own entry in the table by M-word, the time of its group, the time of all other M-words. A
-//! spindle that goes from n1 to n2 (signed by its direction, rpm) takes
+//! An M-word belongs to a group by its function. Its time is the first that is given of: its entry in the
+//! table by M-word, the time of its group, the time of all other M-words. The change of a spindle from the
+//! speed n1 to n2 (rpm, signed by the direction) takes
 //!
 //! > t = start + k |n2 − n1| from standstill, t = k |n2 − n1| from one speed to another,
 //! > t = stop + k |n1| to standstill, t = stop + start + k (|n1| + |n2|) through standstill,
 //!
 //! with k in s per rpm. Speeds are in revolutions per minute, as programs and machines give them.
 //!
-//! A drive whose torque falls with its speed takes more than in proportion: with the exponent p the ramp is k
-//! N |f(n2) − f(n1)|, f(n) = ± (|n| / N)^p and N = 10 000 rpm. Constant torque gives p = 1, constant power p
-//! = 2; if even power falls, above the nominal speed of most spindles, p approaches 3.
+//! If the torque of a drive falls with its speed, the ramp grows faster than in proportion: with the exponent
+//! p it is k N |f(n2) − f(n1)|, f(n) = ± (|n| / N)^p and N = 10 000 rpm. Constant torque gives p = 1,
+//! constant power p = 2; if the power falls as well, above the nominal speed of most spindles, p approaches
+//! 3.
 //!
-//! Some controls continue while the spindle ramps, and only a later word waits for it: the ramp is then part
-//! of the first of these words that follows.
+//! Some controls continue while the spindle ramps, and only a later word waits for it: the ramp then belongs
+//! to the first word that waits.
 //!
 //! Limits: functions do not overlap with each other or with motion; a ramp that no word waits for takes no
 //! time, and an S word alone starts none if words wait.
@@ -24,11 +25,12 @@ use std::collections::BTreeMap;
 /// Times without motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FunctionTimes {
-    /// From the start of the program to its first block, s; neutral 0.
+    /// Time from the start of the program to its first block, s; neutral 0.
     pub start: f64,
     /// Tool change at M6, s.
     pub tool_change: f64,
-    /// First tool change of a program, which may find no tool in the spindle, s; neutral `None`: as others.
+    /// First tool change of a program, at which the spindle may be empty, s; neutral `None`: as other tool
+    /// changes.
     pub first_tool_change: Option<f64>,
     /// Times of single tools, s, by number.
     pub tools: BTreeMap<u32, f64>,
@@ -36,9 +38,9 @@ pub struct FunctionTimes {
     pub spindle: SpindleTimes,
     /// The M-words that wait for the spindle's ramp; neutral `None`: the words that start it.
     pub spindle_awaited_by: Vec<u32>,
-    /// Wait of feed moves at an S word among them until the spindle has its speed, s; neutral 0.
+    /// Wait at an S word between feed moves until the spindle reaches its speed, s; neutral 0.
     pub spindle_change: f64,
-    /// Wait of the first feed move after the spindle started, or changed its speed, s; rapid moves do not
+    /// Wait of the first feed move after the spindle started or changed its speed, s; rapid moves do not
     /// wait; neutral 0.
     pub spindle_at_feed: f64,
     /// M7 and M8, s; neutral `None`: as other M-words. The same applies to every optional time here.
@@ -72,9 +74,9 @@ pub struct SpindleTimes {
     pub start: Option<f64>,
     /// From running to standstill, without the ramp, s; neutral `None`: as other M-words.
     pub stop: Option<f64>,
-    /// Per rpm of a change of speed, s; neutral 0.
+    /// Time per rpm of a change of speed, s; neutral 0.
     pub ramp: f64,
-    /// Power of the speed by which the ramp grows; neutral `None`: 1, in proportion.
+    /// Exponent p of the speed by which the ramp grows; neutral `None`: 1.
     pub exponent: Option<f64>,
 }
 
@@ -140,7 +142,7 @@ impl SpindleState {
     }
 }
 
-/// Neutral except for the tool change.
+/// Neutral times except for the tool change.
 impl Default for FunctionTimes {
     fn default() -> FunctionTimes {
         FunctionTimes {
@@ -174,7 +176,7 @@ impl FunctionTimes {
         own.copied().unwrap_or(self.tool_change)
     }
 
-    /// Returns the group of M`code`. Words that the machine assigns come first.
+    /// Returns the group of M`code`. Assignments of the machine precede the usual meaning.
     pub fn function(&self, code: u32) -> MCodeGroup {
         match code {
             _ if self.pallet_words.contains(&code) => MCodeGroup::Pallet,
@@ -200,7 +202,7 @@ impl FunctionTimes {
     }
 
     /// Returns the time of a spindle change, s, without a ramp that another word waits for; `code` is the
-    /// M-word that requests it, `None` for an S word alone.
+    /// M-word that requests the change, `None` for an S word alone.
     pub fn of_spindle(&self, from: SpindleState, to: SpindleState, code: Option<u32>) -> f64 {
         if let Some(own) = code.and_then(|code| self.m_codes.get(&code)) {
             return *own;
@@ -220,7 +222,7 @@ impl FunctionTimes {
         of_step.unwrap_or(of_word) + ramp
     }
 
-    /// Returns the duration of the spindle's ramp, s, whatever waits for it.
+    /// Returns the duration of the spindle's ramp, s, whichever word waits for it.
     pub fn of_spindle_ramp(&self, from: SpindleState, to: SpindleState) -> f64 {
         self.spindle.ramp(from.signed_speed(), to.signed_speed())
     }

@@ -9,8 +9,8 @@
 //!                ^ begin                                                   end ^
 //! ```
 //!
-//! A query reads some 32 log₁₆ n values of n rows: a picture of millions of rows costs as much as its pixel
-//! columns.
+//! A query of n rows reads about 32 log₁₆ n values, so that the cost of a picture of millions of rows depends
+//! on its number of pixel columns.
 
 use std::ops::{Deref, Range};
 use std::sync::Arc;
@@ -70,7 +70,7 @@ impl From<Vec<f64>> for Column {
         let mut groups = Vec::with_capacity(values.len() / (GROUP_ROWS - 1) + GROUP_ROWS);
         groups.extend(values.chunks(GROUP_ROWS).map(|rows| Extremes::NONE.and_rows(rows)));
         let mut begin = 0;
-        // The last level has no whole group of groups.
+        // The last level has too few groups for a group of the next level.
         while GROUP_ROWS <= groups.len() - begin {
             let end = groups.len();
             for group in (begin..end).step_by(GROUP_ROWS) {

@@ -1,18 +1,18 @@
 //! Decimation: fewer points for the same picture.
 //!
-//! In a pixel column only four points of a curve show: its first, its lowest, its highest and its last. These
-//! four draw the same pixels, whatever the number of samples.
+//! In a pixel column only four points of a curve are visible: its first, its lowest, its highest and its
+//! last. These four draw the same pixels as all samples.
 
 use std::ops::Range;
 
 use crate::plot::{Column, View};
 
-/// Most rows of a pixel column that are drawn as they are; more are replaced by their extremes.
+/// Most rows of a pixel column that are drawn unchanged; four points replace more rows.
 pub const MAX_ROWS_DRAWN: usize = 4;
 
-/// Returns the points of a curve that matter on `columns` pixel columns of a view, in order: its samples (x,
-/// y), or four points for all samples in one column, with one row outside at either end so that the line
-/// reaches the border. `x` is ascending.
+/// Returns the visible points of a curve on `columns` pixel columns of a view, in order: its samples (x, y),
+/// or four points for all samples in one column, with one row outside at either end so that the line reaches
+/// the border. `x` is ascending.
 pub fn decimated(x: &[f64], y: &Column, (low, high): (f64, f64), columns: usize) -> Vec<(f64, f64)> {
     let first = x.partition_point(|&v| v < low).saturating_sub(1);
     let last = (x.partition_point(|&v| v <= high) + 1).min(x.len());
@@ -52,9 +52,8 @@ pub fn by_column(
     all
 }
 
-/// Returns the number of these ascending rows that are less than a border. The search begins at `likely`:
-/// bisecting millions of rows waits for memory at every step, and a column has about as many rows as the one
-/// before it.
+/// Returns the number of ascending rows below a border. The search begins at `likely`, which is faster than
+/// bisecting millions of rows: a pixel column has about as many rows as the one before it.
 pub fn count_before(x: &[f64], border: f64, likely: usize) -> usize {
     let is_before = |v: f64| v < border;
     let likely = likely.min(x.len());

@@ -10,15 +10,15 @@ use crate::plot::panel::{Borders, DrawError, FONT, FONT_SIZE_PT, Look, axis_numb
 use crate::plot::{FeedChart, Frame, Grains, Theme, View, error_panel, lost_panel};
 use crate::units::mm_per_min;
 
-/// Part of the height below the legend for the feedrates.
+/// Part of the height below the legend that the feedrates take.
 const FEED_HEIGHT_SHARE: f64 = 0.6;
 
-/// Part of the height for the feedrates if each curve has its panel, or if the picture is lower than
-/// [`LOW_PICTURE_PT`].
+/// Part of the height that the feedrates take if each curve has its own panel, or if the picture is lower
+/// than [`LOW_PICTURE_PT`].
 const LARGE_FEED_HEIGHT_SHARE: f64 = 0.7;
 const LOW_PICTURE_PT: f64 = 320.0;
 
-/// Height that the lower panel needs, axis and numbers included, up to half of the height, points.
+/// Least height of the lower panel including axis and numbers, points; at most half of the picture.
 const MIN_LOWER_PANEL_PT: f64 = 100.0;
 
 /// Draws a chart over the whole of a backend, with or without the names of its curves, and returns the frame

@@ -1,8 +1,8 @@
-//! The lower panel: the contour error of each curve over distance, beside its tolerance.
+//! The lower panel: the contour error of each curve over distance, with its tolerance.
 //!
-//! A corner is a point of the path and an arc a part of it. Both appear as the largest error in each pixel
-//! column, an outline over a pale area, so that a corner is a needle, an arc a step and a finishing pass of a
-//! thousand blocks its envelope. Dashed lines are the tolerances. The ordinate begins at 0 and fits the view.
+//! The panel shows the largest error in each pixel column as an outline over a pale area: a corner appears as
+//! a needle, an arc as a step, and a finishing pass of a thousand blocks as its envelope. Dashed lines are
+//! the tolerances. The ordinate begins at 0 and fits the view.
 
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
@@ -20,8 +20,8 @@ const HEADROOM_RATIO: f64 = 1.12;
 /// Opacity of the area below an outline.
 const AREA_OPACITY: f64 = 0.16;
 
-/// Largest rise and fall, in turns per point of the picture, of an outline that is drawn as a line; above it,
-/// the largest error in columns of [`COLUMN_PT`] is drawn.
+/// Largest number of rises and falls per point of the picture at which an outline is drawn as a line; above
+/// it, the largest error in columns of [`COLUMN_PT`] is drawn.
 const MAX_TURNS_PER_PT: f64 = 0.05;
 const COLUMN_PT: f64 = 4.0;
 
@@ -38,7 +38,7 @@ pub(crate) fn draw<B: DrawingBackend>(
         value: (0.0, top),
         value_title: "Contour error (µm)",
     };
-    // The columns must be known before their content can set the scale.
+    // The number of columns must be known before the errors in them determine the scale.
     let borders = borders(&look.panel(area, &axes(1.0))?);
     let columns = (borders.x.1 - borders.x.0).max(1.0) as usize;
     let shown: Vec<(&FeedrateCurve, RGBColor)> = chart
@@ -88,14 +88,14 @@ pub(crate) fn draw<B: DrawingBackend>(
     Ok(borders)
 }
 
-/// Returns how often an outline rises from the abscissa to its top, or falls.
+/// Returns the total rise and fall of an outline, in heights from the abscissa to its top.
 fn rise(outline: &[(f64, f64)]) -> f64 {
     let top = outline.iter().fold(f64::MIN_POSITIVE, |top, point| top.max(point.1));
     outline.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).sum::<f64>() / top
 }
 
-/// Returns the parts in view, cut to it; neighbours of one tolerance are joined, and parts narrower than a
-/// pixel column are dropped.
+/// Returns the parts within the view, cut at its borders; neighbours with the same tolerance are joined, and
+/// parts narrower than a pixel column are dropped.
 fn merged(tolerances: &[TolerancePart], view: View, columns: usize) -> Vec<TolerancePart> {
     let (low, high) = view.distance;
     let narrow = (high - low) / columns as f64;

@@ -15,7 +15,7 @@ use crate::units::mm_per_min;
 /// Width of the programmed steps, points.
 const PROGRAMMED_WIDTH_PT: f64 = 5.0;
 
-/// Width of the programmed steps beside a recording, where two motions are compared, points.
+/// Width of the programmed steps if the chart compares a recorded with a simulated motion, points.
 const PROGRAMMED_WIDTH_BESIDE_RECORDING_PT: f64 = 1.5;
 
 /// Returns the width of the programmed steps of a chart, points.
@@ -23,15 +23,16 @@ pub(crate) fn programmed_width(chart: &FeedChart) -> f64 {
     if chart.lost.is_some() { PROGRAMMED_WIDTH_BESIDE_RECORDING_PT } else { PROGRAMMED_WIDTH_PT }
 }
 
-/// Opacity of the bands of all other curves over that of the curve on top; and of the area below a band.
+/// Opacity of the bands of all other curves together, as a ratio to that of the curve on top.
 const OTHER_BANDS_OPACITY: f64 = 0.8;
+/// Factor on the opacity of the area below a band.
 const BELOW_BAND_OPACITY: f64 = 0.4;
 
 /// The layout common to all feedrate panels of a chart.
 pub(crate) struct FeedLayout {
     /// Pixel columns of a panel.
     columns: usize,
-    /// Points of each curve where every sample counts.
+    /// Points of each curve for exact sections.
     exact: Vec<Vec<(f64, f64)>>,
     /// Resolution of each section.
     pub grains: Grains,
@@ -131,7 +132,7 @@ pub(crate) fn draw<B: DrawingBackend>(
     Ok(borders)
 }
 
-/// Returns the strips of a curve where means are drawn, run by run.
+/// Returns the strips of a curve in the sections with means, run by run.
 fn dense(chart: &FeedChart, curve: &FeedrateCurve, grains: &Grains, view: View) -> Vec<Vec<Strip>> {
     let runs = grains.runs().filter_map(|(grain, ends)| match grain {
         SectionGrain::Means(group) if ends.0 < view.distance.1 => {
@@ -164,7 +165,7 @@ pub(crate) fn clamped_means(
     means.filter_map(|(k, mean)| Some((border(k as f64 + 0.5), mean?.clamp(bottom, top)))).collect()
 }
 
-/// Returns a polyline of the exact points where they are drawn, and of means elsewhere.
+/// Returns a polyline of the points of exact sections, and of means elsewhere.
 fn mixed(exact: &[(f64, f64)], grains: &Grains, line: QuantityLine) -> Vec<(f64, f64)> {
     let mut points = Vec::new();
     for (grain, (from, to)) in grains.runs() {
@@ -198,7 +199,7 @@ pub(crate) fn rapid_ranges(chart: &FeedChart, view: View, columns: usize) -> Vec
     let pixel = (high - low) / columns as f64;
     let mut stretches: Vec<(f64, f64)> = Vec::new();
     if chart.abscissa == Abscissa::Time {
-        // Each curve has its rapids at other times.
+        // Over time the rapids of each curve are at different times.
         return stretches;
     }
     let steps = &chart.programmed;

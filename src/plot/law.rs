@@ -1,8 +1,8 @@
 //! The small chart of a law as measured: points with their spread, the monotone curve through them, and the
 //! law of the simulated machine.
 //!
-//! Points are dots with a bar of a standard deviation to either side, the curve is a line, the simulated machine
-//! an open circle at each point. Both axes begin at 0, where a law of physics does.
+//! Points are dots with a bar of one standard deviation to either side, the curve is a line, and the
+//! simulated machine an open circle at each point. Both axes begin at 0.
 
 use plotters::prelude::*;
 

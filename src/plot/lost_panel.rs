@@ -1,9 +1,9 @@
-//! The lower panel beside a recording: the time that the recorded machine has lost since the start, over
-//! distance.
+//! The lower panel of a chart with a recording: the time that the recorded machine has lost since the start,
+//! over distance.
 //!
-//! Where the line rises the machine is slower than simulated, where it falls faster; a step is a wait. The
-//! ordinate fits the view and always includes 0. Curves of a machine before and after a change are both
-//! drawn, in the colours of their feedrates.
+//! Where the line rises the recorded machine is slower than the simulated one, where it falls faster; a step
+//! is a wait. The ordinate fits the view and always includes 0. The panel draws the lost time against the
+//! machine before and after a change, in the colours of their feedrates.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -17,7 +17,7 @@ use crate::simulation::sampled::rows_around;
 /// Room above and below the data, as a part of it.
 const HEADROOM_SHARE: f64 = 0.08;
 
-/// Least span of the ordinate, s: less is noise of any recorder.
+/// Least span of the ordinate, s: smaller differences are noise of the recorder.
 const MIN_SPAN_S: f64 = 1e-3;
 
 /// Draws the lost time on an area.
@@ -64,7 +64,8 @@ pub(crate) fn draw<B: DrawingBackend>(
     Ok(borders)
 }
 
-/// Returns the least and the largest lost time between two distances (mm), with 0 and some room.
+/// Returns the least and the largest lost time (s) between two distances (mm), extended to include 0 and some
+/// room.
 fn in_sight(lost: &LostTime, (low, high): (f64, f64)) -> (f64, f64) {
     let (at, seconds) = (&lost.distance, &lost.seconds);
     let inside = seconds.extremes(at.partition_point(|at| *at < low)..at.partition_point(|at| *at <= high));

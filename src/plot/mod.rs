@@ -1,23 +1,21 @@
 //! The chart of feedrate and contour error over distance: data in, picture out, on any plotters
 //! backend.
 //!
-//! One chart has two panels. The upper one shows the programmed feedrate of every segment as steps
-//! and, over it, one curve for each simulated tolerance; the lower one the contour error of each
-//! beside its tolerance. The abscissa of both is the distance along the programmed path, mm,
-//! which all curves share although they differ in time; the ordinates are the feedrate, mm/min,
-//! and the contour error, µm.
-//! Stretches of rapid motion are shaded, because the first view fits the cutting feedrates and
-//! rapids may leave it at the top.
+//! One chart has two panels. The upper one shows the programmed feedrate of every segment as steps and, over
+//! it, one curve for each simulated tolerance; the lower one the contour error of each with its tolerance.
+//! The abscissa of both is the distance along the programmed path, mm, which all curves share although they
+//! differ in time; the ordinates are the feedrate, mm/min, and the contour error, µm. Stretches of rapid
+//! motion are shaded, because the first view fits the cutting feedrates and rapids may leave it at the top.
 //!
-//! Beside a recording the curves are the recorded and the simulated feedrate, and the lower panel shows
-//! the time the recorded machine lost since the start, s, instead of the contour error.
+//! With a recording the curves are the recorded and the simulated feedrate, and the lower panel shows the
+//! time that the recorded machine has lost since the start, s, instead of the contour error.
 //!
-//! The same curves can be drawn over time (`over_time`), and each in its panel.
+//! The same curves can be drawn over time (`over_time`), and each in its own panel.
 //!
-//! Where the curves go up and down more often than a picture has room for, their means are drawn, with a band
-//! behind them (`strips`). The drawn curves are decimated to the pixel columns of the picture (`decimate`), so that a
-//! profile of a million samples is redrawn at each turn of the wheel. A drawing returns its [`Frame`], which turns
-//! pixels into data and back.
+//! Where the curves rise and fall more often than the picture can show, their means are drawn, with a band
+//! behind them (`strips`). The drawn curves are decimated to the pixel columns of the picture (`decimate`),
+//! so that a profile of a million samples can be redrawn at each turn of the mouse wheel. A drawing returns
+//! its [`Frame`], which converts between pixels and data.
 
 mod column;
 mod decimate;
@@ -75,7 +73,7 @@ pub struct FeedChart {
     pub lost_after: Option<LostTime>,
     /// Abscissa of the curves.
     pub abscissa: Abscissa,
-    /// `true` if every curve has its panel.
+    /// `true` if every curve has its own panel.
     pub stacked: bool,
     /// Index of the curve that is drawn on top.
     pub on_top: usize,
@@ -101,7 +99,7 @@ impl Abscissa {
     }
 }
 
-/// The lost time over distance: how much later a recorded machine is than the simulated one, linear between
+/// The lost time over distance: the delay of a recorded machine against the simulated one, linear between
 /// rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LostTime {
@@ -148,7 +146,7 @@ pub struct CurveErrors {
 pub struct TolerancePart {
     /// Distance along the path at which the part begins, mm.
     pub from: f64,
-    /// Distance at which it ends, mm; infinite for the whole path.
+    /// Distance along the path at which the part ends, mm; infinite for the whole path.
     pub to: f64,
     /// Contour tolerance, mm.
     pub tolerance: f64,
@@ -159,15 +157,15 @@ pub struct TolerancePart {
 pub struct ChartValues {
     /// Distance along the programmed path, mm.
     pub distance: f64,
-    /// Line of the program that runs there; `None` if there is none.
+    /// Line of the program at the distance; `None` if there is none.
     pub line: Option<u32>,
-    /// Programmed feedrate there, mm/s; `None` if there is no segment.
+    /// Programmed feedrate at the distance, mm/s; `None` if there is no segment.
     pub programmed: Option<f64>,
-    /// `true` if that segment is a rapid move.
+    /// `true` if the segment at the distance is a rapid move.
     pub rapid: bool,
-    /// Values of each curve there; `None` for an empty curve.
+    /// Values of each curve at the distance; `None` for an empty curve.
     pub curves: Vec<Option<CurveValues>>,
-    /// Time lost up to there, s; `None` without a recording.
+    /// Time lost up to the distance, s; `None` without a recording.
     pub lost: Option<f64>,
     /// Time lost against the machine after a change, s; `None` if there is one machine only.
     pub lost_after: Option<f64>,
@@ -228,7 +226,7 @@ impl From<ContourErrors> for CurveErrors {
 }
 
 impl LostTime {
-    /// Returns the time lost (s) at a distance (mm); before a wait there.
+    /// Returns the time lost (s) at a distance (mm), excluding a wait at that distance.
     fn at(&self, distance: f64) -> Option<f64> {
         Some(rows_around(&self.distance, distance, &mut 0)?.between(&self.seconds[..]))
     }
@@ -242,7 +240,7 @@ fn within(ends: &[f64], (low, high): (f64, f64)) -> Range<usize> {
 }
 
 impl FeedrateCurve {
-    /// Returns the ends of its segments on the abscissa.
+    /// Returns the ends of the segments on the abscissa.
     fn segment_ends<'a>(&'a self, programmed: &'a Programmed) -> &'a [f64] {
         if self.ends.is_empty() { &programmed.end } else { &self.ends }
     }
@@ -255,7 +253,7 @@ impl FeedrateCurve {
 
     /// Returns the largest contour error (mm) on segments that end in `ends` and all begin before a place.
     fn largest_error_on(&self, ends: &[f64], segments: Range<usize>, before: f64) -> Option<f64> {
-        // The last of them may have its corner beyond.
+        // The last segment may end, at its corner, beyond the place.
         let is_beyond = ends[segments.clone()].last().is_some_and(|&end| before < end);
         let CurveErrors { corner, arcs, along_arcs } = &self.errors;
         let [first, end] =
@@ -268,7 +266,8 @@ impl FeedrateCurve {
         of_both.into_iter().flatten().map(|own| own.highest).reduce(f64::max)
     }
 
-    /// Returns feedrate (mm/s) and time (s) at a distance (mm); the earliest if the tool waits there.
+    /// Returns feedrate (mm/s) and time (s) at a distance (mm); if the tool waits there, those at the
+    /// beginning of the wait.
     fn at(&self, distance: f64) -> Option<(f64, f64)> {
         let rows = rows_around(&self.distance, distance, &mut 0)?;
         Some((rows.between(&self.feedrate[..]), rows.between(&self.time[..])))

@@ -1,8 +1,8 @@
 //! The chart of feedrates over time instead of distance.
 //!
-//! At one moment the curves are at different places, so the segments of each end at other times; the
-//! programmed steps have the times of length over feedrate, without acceleration. In the resulting chart
-//! every column of distances holds times, s, and the column of times the distances, mm.
+//! At one moment the curves are at different places, so that the segments of each curve end at different
+//! times; the programmed steps have the times of length over feedrate, without acceleration. In the resulting
+//! chart every column of distances contains times, s, and the column of times distances, mm.
 
 use crate::plot::{Abscissa, FeedChart, FeedrateCurve, Programmed, TolerancePart};
 use crate::simulation::sampled::rows_around;
@@ -62,7 +62,7 @@ impl Programmed {
     }
 }
 
-/// Returns the value of one column where another, ascending, has a value.
+/// Returns the value of the column `of` at the place where the ascending `column` has the value `value`.
 fn between(column: &[f64], of: &[f64], value: f64) -> Option<f64> {
     Some(rows_around(column, value, &mut 0)?.between(of))
 }

@@ -1,6 +1,7 @@
 //! The overview: the mean feedrate of the curve on top over the whole path, with a pale area below it.
 //!
-//! It has neither axes nor margins, so that the left border is the start of the path and the right one its end.
+//! The overview has neither axes nor margins, so that the left border is the start of the path and the right
+//! one its end.
 
 use plotters::prelude::*;
 

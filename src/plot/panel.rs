@@ -1,7 +1,7 @@
 //! Sizes, margins, axes and numbers common to the panels of a picture.
 //!
-//! plotters draws on whole pixels of the device, so every size here is in points of the page
-//! times `scale`, device pixels a point.
+//! plotters draws on whole pixels of the device, so that every size is in points of the page times `scale`,
+//! the number of device pixels per point.
 
 use plotters::chart::ChartContext;
 use plotters::coord::Shift;
@@ -13,7 +13,8 @@ use crate::plot::Theme;
 /// An error of a backend.
 pub(crate) type DrawError<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
 
-/// A family name, as plotters searches the letters of all languages to tell a name from a generic family.
+/// The font, given as a family name. From a text, plotters would first search the names of generic families
+/// in lower case, which needs the letters of all languages.
 pub(crate) const FONT: FontFamily = FontFamily::Name("system-ui, sans-serif");
 pub(crate) const FONT_SIZE_PT: f64 = 12.0;
 /// Width of a wide character over the size of the font.
@@ -80,7 +81,7 @@ impl Look {
             .build_cartesian_2d(axes.distance.0..axes.distance.1, axes.value.0..axes.value.1)
     }
 
-    /// Returns a title that fits along `pixels`: its unit alone if the whole is too long.
+    /// Returns a title that fits along `pixels`: only its unit if the whole title is too long.
     fn short<'a>(&self, title: &'a str, pixels: u32) -> &'a str {
         let is_long =
             pixels < self.points(CHARACTER_WIDTH_RATIO * FONT_SIZE_PT * title.chars().count() as f64);

@@ -22,7 +22,7 @@ pub struct Programmed {
     pub(super) rapids: Vec<Range<usize>>,
     /// Highest feedrate of a feed move, mm/s.
     pub(super) highest_cutting: f64,
-    /// Time by length over feedrate up to each end, s; over time the distance, mm.
+    /// Time by length over feedrate up to each end, s; in a chart over time the distance of each end, mm.
     pub(super) other: Vec<f64>,
     /// `true` if the steps are not drawn.
     pub hidden: bool,
@@ -35,7 +35,7 @@ impl Programmed {
         Programmed::new(end, feedrate, rapid, line)
     }
 
-    /// Returns the columns of the steps, as [`Programmed::new`] takes them.
+    /// Returns the columns of the steps, in the order of the arguments of [`Programmed::new`].
     pub fn columns(toolpath: &Toolpath, machine: &Machine) -> (Vec<f64>, Vec<f64>, Vec<bool>, Vec<u32>) {
         let (mut ends, mut feedrates, mut rapids, mut lines) = (vec![], vec![], vec![], vec![]);
         for (segment, end) in toolpath.segments.iter().zip(toolpath.ends()) {

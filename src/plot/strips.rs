@@ -1,19 +1,19 @@
-//! Strips: a curve with more ups and downs than a picture has room for is drawn as its mean, with a band
-//! behind it.
+//! Strips: a curve that rises and falls more often than the picture can show is drawn as its mean, with a
+//! band behind it.
 //!
-//! The abscissa is divided into sections, and these into strips. A strip knows its length ΔS, its time ΔT and
-//! so its mean feedrate ΔS ÷ ΔT: length ÷ height is time, whatever the width of the strips, waits included.
-//! Behind the mean the band holds all but the slowest and the fastest tenth of the strip, and below it a
-//! paler one reaches down to the least.
+//! The abscissa is divided into sections, and these into strips. The mean feedrate of a strip is its length
+//! ΔS over its time ΔT: length ÷ height is time, for any width of the strips and including waits. Behind the
+//! mean the band covers all but the slowest and the fastest tenth of the strip, and a paler band below it
+//! reaches down to the least feedrate.
 //!
 //! ```text
 //! | section: exact | 12 strips: means | 12 strips: means | section: exact |
 //! ```
 //!
-//! Each section has the finest drawing that is still a line: exact, or strips of 4, 8 or 16 points, the
-//! finest that rises and falls no further than [`MAX_RISE_HEIGHTS`]. All curves of a chart share the drawing, so
-//! that they can be compared, and hiding one of them does not change the others. Sections begin at multiples
-//! of their width, and do not change when the picture is moved.
+//! Each section has the finest drawing that rises and falls by at most [`MAX_RISE_HEIGHTS`] and so still
+//! looks like a line: exact, or strips of 4, 8 or 16 points. All curves of a chart have the same drawing in a
+//! section, so that they can be compared, and hiding one of them does not change the others. Sections begin
+//! at multiples of their width, and do not change when the user moves the picture.
 
 use crate::plot::decimate::count_before;
 use crate::plot::{Abscissa, Extremes, FeedChart, FeedrateCurve, Programmed, View};
@@ -23,10 +23,10 @@ use crate::simulation::sampled::{RowsAround, rows_around};
 const MIN_STRIP_PT: f64 = 4.0;
 /// Number of finest strips in a section.
 const STRIPS_PER_SECTION: usize = 12;
-/// Numbers of finest strips that are drawn as one.
+/// Possible numbers of finest strips that are drawn as one strip.
 const STRIPS_PER_MEAN: [usize; 3] = [1, 2, 4];
 /// Largest rise and fall of a line in a section, in heights of the panel: once from bottom to top and back,
-/// and a little.
+/// with a margin.
 const MAX_RISE_HEIGHTS: f64 = 2.2;
 /// Number of places at which a strip is read for its band.
 const READINGS_PER_STRIP: usize = 20;
@@ -36,7 +36,7 @@ const READINGS_OUTSIDE_BAND: usize = READINGS_PER_STRIP / 10;
 /// The drawing of a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SectionGrain {
-    /// Every sample.
+    /// Every sample is drawn.
     Exact,
     /// Means of strips, each of this number of finest strips.
     Means(usize),
@@ -83,12 +83,12 @@ impl<'a> QuantityLine<'a> {
         QuantityLine { abscissa: chart.abscissa, at: &programmed.end, other: &programmed.other }
     }
 
-    /// Returns its end on the abscissa.
+    /// Returns the end of the line on the abscissa.
     fn end(&self) -> f64 {
         self.at.last().copied().unwrap_or(0.0)
     }
 
-    /// Returns the mean feedrates (mm/s) between ascending borders; `None` beyond its end.
+    /// Returns the mean feedrates (mm/s) between ascending borders; `None` beyond the end of the line.
     pub fn means(&self, borders: &[f64]) -> Vec<Option<f64>> {
         let mut rows = AscendingReader::of(self.at);
         let mut last: Option<(f64, f64)> = None;
@@ -109,13 +109,14 @@ impl<'a> QuantityLine<'a> {
         means
     }
 
-    /// Returns the other quantity at a place: before a wait there, but after one at the end.
+    /// Returns the other quantity at a place: before a wait at that place, except at the end, where it is
+    /// after the wait.
     fn other_at(&self, at: f64, rows: &mut AscendingReader) -> f64 {
         let (Some(&first), Some(&last)) = (self.at.first(), self.other.last()) else { return 0.0 };
         if self.end() <= at {
             last
         } else if at <= first {
-            // Segments begin at the start of the path, curves with their first row.
+            // Segments begin at the start of the path, curves at their first row.
             self.other[0] * if 0.0 < first { at / first } else { 1.0 }
         } else {
             rows.around(at).map_or(last, |around| around.between(self.other))
@@ -123,7 +124,7 @@ impl<'a> QuantityLine<'a> {
     }
 }
 
-/// Finds ascending places in an ascending column, each from the last one.
+/// A reader of ascending places in an ascending column, which searches from the last place on.
 struct AscendingReader<'a> {
     at: &'a [f64],
     row: usize,
@@ -143,8 +144,8 @@ impl<'a> AscendingReader<'a> {
 }
 
 impl Grains {
-    /// Returns the drawing of a chart in a view of a width in points; `exact` is each curve decimated to its
-    /// pixels.
+    /// Returns the drawing of each section of a chart in a view that is `width` points wide; `exact` holds
+    /// each curve decimated to its pixels.
     pub(crate) fn of(chart: &FeedChart, exact: &[Vec<(f64, f64)>], view: View, width: f64) -> Grains {
         let (low, high) = view.distance;
         let strip = MIN_STRIP_PT * (high - low) / width;
@@ -181,7 +182,7 @@ impl Grains {
         self.strip * (self.first * STRIPS_PER_SECTION + strip) as f64
     }
 
-    /// Returns the section of a place; the nearest in view.
+    /// Returns the section of a place, or the nearest section in view.
     fn section(&self, at: f64) -> usize {
         let section = (at / (self.strip * STRIPS_PER_SECTION as f64)) as usize;
         section.saturating_sub(self.first).min(self.sections.len().saturating_sub(1))
@@ -219,7 +220,7 @@ impl Grains {
         (first..=last).map(|k| width * k as f64).collect()
     }
 
-    /// Returns the strip of a curve at a place; `None` if every sample counts or there is no curve.
+    /// Returns the strip of a curve at a place; `None` in an exact section or outside the curve.
     pub fn strip_at(&self, chart: &FeedChart, curve: &FeedrateCurve, at: f64) -> Option<Strip> {
         let SectionGrain::Means(group) = *self.sections.get(self.section(at))? else { return None };
         let width = self.strip * group as f64;
@@ -237,7 +238,7 @@ pub(crate) fn strips(chart: &FeedChart, curve: &FeedrateCurve, borders: &[f64]) 
     let mut strips = Vec::new();
     for ((from, to), mean) in ends.zip(means) {
         let Some(mean) = mean else { continue };
-        // In ascending order, as they are read.
+        // The readings, sorted as they are added.
         let mut read = [mean; READINGS_PER_STRIP];
         for k in 0..READINGS_PER_STRIP {
             let at = from + (to - from) * (k as f64 + 0.5) / READINGS_PER_STRIP as f64;

@@ -72,8 +72,8 @@ const LINE_HEIGHT_EM: f64 = 1.45;
 type SvgError<'a> = <SVGBackend<'a> as DrawingBackend>::ErrorType;
 type SvgDrawn<'a> = Result<(), DrawingErrorKind<SvgError<'a>>>;
 
-/// An SVG backend that estimates the width of a text by its letters: in a browser, plotters measures it by an
-/// inline style, which the page's Content-Security-Policy refuses.
+/// An SVG backend that estimates the width of a text by its letters: in a browser, plotters would measure it
+/// by an inline style, which the page's Content-Security-Policy refuses.
 struct LetterSizedSvg<'a>(SVGBackend<'a>);
 
 impl<'a> DrawingBackend for LetterSizedSvg<'a> {

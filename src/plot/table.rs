@@ -1,8 +1,8 @@
-//! A chart as a table, for readers who do not see it and readers who want its numbers.
+//! A chart as a table, for readers who cannot see the chart and readers who want its numbers.
 //!
-//! A row covers an equal part of the view, like a pixel column of the picture: least and largest of every
-//! feedrate in it and its largest contour error. The curves are also read at both ends of the part, so that
-//! no row is empty where a curve is coarse.
+//! Each row covers an equal part of the view, like a pixel column of the picture, and contains the least and
+//! the largest feedrate of each curve and its largest contour error. The curves are also read at both ends of
+//! the part, so that no row is empty where a curve has few points.
 
 use crate::plot::{Extremes, FeedChart, FeedrateCurve, LostTime, Programmed};
 

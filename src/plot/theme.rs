@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 /// Colours of a picture and its numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Theme {
-    /// Behind everything.
+    /// Background of the picture.
     pub background: RGBColor,
     /// Text.
     pub text: RGBColor,
@@ -15,7 +15,8 @@ pub struct Theme {
     pub rapid: RGBColor,
     /// Axes and their ticks.
     pub axis: RGBColor,
-    /// The programmed feedrate: broad and pale, so that it shows on both sides of a curve on it.
+    /// The programmed feedrate: broad and pale, so that it remains visible on both sides of a curve drawn
+    /// over it.
     pub programmed: RGBColor,
     /// Curves in their order.
     pub curves: [RGBColor; PALETTE_SIZE],
@@ -29,8 +30,8 @@ pub struct Theme {
 pub const PALETTE_SIZE: usize = 6;
 
 impl Theme {
-    /// Dark on white. The curves' colours are those of Okabe and Ito, which people with any
-    /// kind of colour vision can tell apart.
+    /// Dark on white. The curves' colours are those of Okabe and Ito, which people with any kind of colour
+    /// vision can distinguish.
     pub const LIGHT: Theme = Theme {
         background: RGBColor(255, 255, 255),
         text: RGBColor(64, 72, 82),
@@ -50,7 +51,7 @@ impl Theme {
         numbers: grouped,
     };
 
-    /// Light on dark, the same colours in an order that begins with the light ones.
+    /// Light on dark, with the same colours in an order that begins with the light ones.
     pub const DARK: Theme = Theme {
         background: RGBColor(22, 26, 31),
         text: RGBColor(190, 198, 207),

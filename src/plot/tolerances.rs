@@ -1,9 +1,9 @@
-//! The chart of cycle time over contour tolerance: what a looser tolerance buys.
+//! The chart of cycle time over contour tolerance, which shows the time that a wider tolerance saves.
 //!
 //! The abscissa is the contour tolerance on a logarithmic axis, µm; the ordinate the cycle time, s. Each
-//! machine has a line, straight between the computed tolerances, with a dot for each chosen tolerance in the
-//! colour of its curve elsewhere; a broad pale line below is the programmed time. The ordinate fits the data
-//! and need not begin at 0.
+//! machine has a line, straight between the computed tolerances. A dot marks each chosen tolerance, in the
+//! colour of its curve in the chart of feedrates; a broad pale line is the programmed time. The ordinate fits
+//! the data and need not begin at 0.
 
 use plotters::prelude::*;
 
@@ -20,7 +20,7 @@ const POINTS_PER_LINE: usize = 24;
 const HEADROOM_SHARE: f64 = 0.1;
 const MIN_SPAN_S: f64 = 0.1;
 
-/// Rounding of a logarithm that still counts as a whole decade.
+/// Largest difference of a logarithm from a whole decade that counts as rounding.
 const MAX_ROUNDING_DECADES: f64 = 1e-9;
 
 /// Radius of a dot, points.

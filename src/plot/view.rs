@@ -22,7 +22,7 @@ pub struct View {
 /// Ratio of the height of a view to the highest feedrate.
 const HEADROOM_RATIO: f64 = 1.06;
 
-/// Least part of the whole that a view can be magnified to.
+/// Least part of the whole that a view may show.
 const MIN_VIEW_SHARE: f64 = 1e-6;
 
 impl View {
@@ -68,7 +68,7 @@ impl View {
     }
 }
 
-/// Shifts a range, and cuts it only if it is too long, so that it lies in the whole and is not too small.
+/// Returns a range shifted into `whole`, cut only if it is longer than that, and extended if it is too small.
 fn within((low, high): (f64, f64), whole: (f64, f64)) -> (f64, f64) {
     let size = whole.1 - whole.0;
     let length = (high - low).clamp(MIN_VIEW_SHARE * size, size);
@@ -85,11 +85,11 @@ pub struct Frame {
     pub x: (f64, f64),
     /// Top and bottom border of the plotting area of feedrates, pixels.
     pub y: (f64, f64),
-    /// Distance to the panel of the next curve below, pixels; 0 if all share one.
+    /// Distance to the panel of the next curve below, pixels; 0 if all curves share one panel.
     pub pitch: f64,
     /// Top and bottom border of the plotting area of contour errors, pixels.
     pub errors_y: (f64, f64),
-    /// Drawing of its sections.
+    /// Drawing of the sections in view.
     pub grains: Grains,
 }
 

@@ -1,4 +1,4 @@
-//! Bytes of a file → its kind, by the first of them.
+//! The first bytes of a file → its kind.
 
 use crate::identification::recording::{is_packed_log, is_recording};
 
@@ -32,7 +32,7 @@ const FOREIGN_BEGINNINGS: [(&[u8], &str); 9] = [
     (b"<!doctype html", "a web page"),
 ];
 
-/// Beginnings of the page's JSON documents, which would be mistaken for logs.
+/// Beginnings of the page's JSON documents, which would otherwise be mistaken for logs.
 const OWN_BEGINNINGS: [(&str, FileKind); 4] = [
     ("\"truefeed_job\"", FileKind::Job),
     ("\"truefeed\"", FileKind::Settings),
@@ -40,8 +40,9 @@ const OWN_BEGINNINGS: [(&str, FileKind); 4] = [
     ("\"causes\"", FileKind::Other("a diagnosis of this page")),
 ];
 
-/// Beginning of a ZIP archive, and the first file of office documents in one.
+/// Beginning of a ZIP archive.
 const ARCHIVE_BEGINNING: &[u8] = b"PK\x03\x04";
+/// Names of the first file in the archive of an office document.
 const DOCUMENT_FILES: [&[u8]; 2] = [b"[Content_Types].xml", b"mimetype"];
 /// Offset of the name of the first file.
 const FIRST_NAME_OFFSET: usize = 30;
@@ -69,8 +70,8 @@ pub fn file_kind(head: &[u8]) -> FileKind {
     if is_binary(head) { FileKind::Other("a binary file") } else { FileKind::Program }
 }
 
-/// Returns `true` if a text that may be a program holds blocks, by its beginning: two lines that are mostly
-/// words of a program, and one line of four. A read-me or a list of tools holds none.
+/// Returns `true` if the beginning of a text that may be a program contains blocks: at least two lines, and
+/// one in four, that are mostly words of a program. A read-me or a list of tools contains none.
 pub fn holds_blocks(head: &[u8]) -> bool {
     let text = String::from_utf8_lossy(head).replace('\0', "").to_ascii_uppercase();
     let lines = text.lines().map(without_comments).filter(|line| !line.trim().is_empty());
@@ -103,8 +104,8 @@ fn without_comments(line: &str) -> String {
     .collect()
 }
 
-/// Returns `true` if a token is words of a program, as `G1`, `X-1.5Y2`, `CC` or a number before them, and
-/// nothing else.
+/// Returns `true` if a token consists only of words of a program, such as `G1`, `X-1.5Y2` or `CC`, with or
+/// without a number before them.
 fn is_words(token: &str) -> bool {
     const KEYWORDS: [&str; 9] = ["L", "C", "CC", "CYCL", "DEF", "TOOL", "CALL", "FMAX", "%"];
     let mut has_number = false;
@@ -120,7 +121,7 @@ fn is_words(token: &str) -> bool {
     KEYWORDS.contains(&token) || (has_number && letters == 0)
 }
 
-/// Returns `true` if more than one byte of ten is no text. A program from a tape begins with zeros, and in
+/// Returns `true` if more than one byte in ten is not text. A program from a tape begins with zeros, and in
 /// UTF-16 every other byte is zero.
 fn is_binary(head: &[u8]) -> bool {
     if matches!(

@@ -1,8 +1,8 @@
-//! Everything that crosses a border as text: machine files, the page's form, results.
+//! All texts that enter or leave the program: machine files, the page's form, results.
 //!
-//! This is the only keeper of file and message formats, and so of serde. Names carry their units
-//! here (`cycle_time_s`), and values are converted on the way through the parameter table
-//! ([`PARAMETERS`](crate::machine::PARAMETERS)), so that the core sees mm, s and rad.
+//! Only this module defines formats of files and messages, and so uses serde. Names contain their units here
+//! (`cycle_time_s`), and values are converted through the parameter table
+//! ([`PARAMETERS`](crate::machine::PARAMETERS)), so that the core uses mm, s and rad.
 
 mod calibration;
 mod cutting;

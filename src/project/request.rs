@@ -1,13 +1,13 @@
-//! A quote as other programs request it: one JSON object, refused with a reason if it is invalid.
+//! The request for a quote by another program: one JSON object, refused with a reason if it is invalid.
 //!
 //! ```text
 //! {"machine": MACHINE, "tolerances": [0.01, null], "dialect": "siemens", "name": "part.mpf"}
 //! MACHINE = "name of a preset" | "text of a machine file" | {"preset": "name", "key": value, …}
 //! ```
 //!
-//! Tolerances are in mm; null, or an empty list, means the program's. Keys and units of a machine are those
-//! of its file ([`PARAMETERS`](crate::machine::PARAMETERS)); they replace values of the preset, if one is
-//! named. Only `machine` is required.
+//! Tolerances are in mm; null, or an empty list, means the tolerances of the program. Keys and units of a
+//! machine are those of its file ([`PARAMETERS`](crate::machine::PARAMETERS)); they replace values of the
+//! preset if the request names one. Only `machine` is required.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -18,7 +18,7 @@ use crate::project::{TextFault, machine_from_form, machine_from_toml};
 use crate::simulation::feed::Tolerances;
 use crate::simulation::gcode::Dialect;
 
-/// Most tolerances: each is a simulation.
+/// Most tolerances of a request: each needs a simulation.
 const MAX_TOLERANCES: usize = 32;
 
 /// A request for a quote.
@@ -28,9 +28,9 @@ pub struct QuoteRequest {
     pub name: String,
     /// Machine.
     pub machine: Machine,
-    /// One run each; at least one.
+    /// Tolerances, each simulated once; at least one.
     pub tolerances: Vec<Tolerances>,
-    /// Dialect; `None` for the one that the program shows.
+    /// Dialect; `None` to detect it from the program.
     pub dialect: Option<Dialect>,
 }
 
@@ -48,16 +48,16 @@ pub enum RequestError {
         /// Known names.
         known: Vec<String>,
     },
-    /// The values of the machine.
+    /// The values of the machine have faults.
     #[error("the machine has faults: {}", .0.iter().map(TextFault::to_string).collect::<Vec<_>>().join("; "))]
     Machine(Vec<TextFault>),
-    /// A tolerance.
+    /// A tolerance is invalid.
     #[error("{0}")]
     Tolerance(#[from] ToleranceError),
-    /// Too many tolerances.
+    /// The request has too many tolerances.
     #[error("{0} tolerances are too many; give {MAX_TOLERANCES} at most")]
     TooMany(usize),
-    /// No control has this keyword.
+    /// No dialect has this keyword.
     #[error("there is no dialect “{given}”; there are {}", Dialect::WORDS.map(|(word, ..)| word).join(", "))]
     UnknownDialect {
         /// Given keyword.
@@ -82,7 +82,7 @@ impl QuoteRequest {
     ///
     /// # Errors
     ///
-    /// Returns an error if the text is no JSON, or no request.
+    /// Returns an error if the text is not JSON, or not a valid request.
     pub fn from_json(json: &str) -> Result<QuoteRequest, RequestError> {
         let RequestText { machine, tolerances, dialect, name } =
             serde_json::from_str(json).map_err(|error| RequestError::Malformed(error.to_string()))?;

@@ -1,5 +1,5 @@
-//! All settings of the page in one text: machine, tolerances and terms, never a program. It is the file of
-//! “Save settings” and the part of a link after its `#`.
+//! All settings of the page in one text: machine, tolerances and terms, never a program. “Save settings”
+//! writes the text to a file, and links contain it after their `#`.
 //!
 //! ```text
 //! {"truefeed": 1, "preset": "name", "machine": {key: value, …}, "tolerances_mm": [0.01], "programmed": true,
@@ -46,7 +46,7 @@ pub enum SettingsError {
     /// A tolerance is invalid.
     #[error("a tolerance has a fault: {0}")]
     Tolerance(#[from] ToleranceError),
-    /// There are none, or more than a chart shows.
+    /// There are no tolerances, or more than a chart shows.
     #[error("it has {0} tolerances; the page can show 1 to {PALETTE_SIZE}")]
     Tolerances(usize),
 }
@@ -72,7 +72,7 @@ struct Settings {
 ///
 /// # Errors
 ///
-/// As [`settings_from_text`].
+/// Returns the errors of [`settings_from_text`].
 pub fn settings_text(full: &str) -> Result<String, SettingsError> {
     let mut settings = checked(full)?;
     let neutral = values(&Machine::default());
@@ -86,7 +86,8 @@ pub fn settings_text(full: &str) -> Result<String, SettingsError> {
 ///
 /// # Errors
 ///
-/// Returns an error if the text is no settings or of another version, or a value is not allowed.
+/// Returns an error if the text does not contain settings, has another version, or contains a value that is
+/// not allowed.
 pub fn settings_from_text(text: &str) -> Result<String, SettingsError> {
     let settings = checked(text)?;
     Ok(serde_json::to_string(&settings).expect("what was read can be written"))

@@ -1,11 +1,11 @@
-//! Feed plan → breakdown: how much of the cycle time is cutting, rapids, dwells, tool changes and machine
+//! Feed plan → breakdown: the parts of the cycle time for cutting, rapids, dwells, tool changes and machine
 //! functions.
 //!
-//! The breakdown adds up to the cycle time: each pulse counts for the motion of its segment, the
-//! filter delay of a stretch half for its first and half for its last segment, time lost behind the
-//! filters for the segment on which it is lost, and each wait for its cause; halts in motion that the program
-//! does not ask for are other time. A part of a program is broken down in the same way, so that parts add up
-//! to the whole.
+//! The breakdown adds up to the cycle time. Each pulse counts for the motion of its segment, the filter delay
+//! of a rest-to-rest motion half for its first and half for its last segment, time lost behind the filters
+//! for the segment on which it is lost, and each wait for its cause. Halts in motion that the program does
+//! not request are other time. A part of a program has a breakdown by the same rules, so that parts add up to
+//! the whole.
 
 use std::ops::Range;
 
@@ -88,7 +88,7 @@ pub fn breakdown(toolpath: &Toolpath, machine: &Machine, plan: &FeedPlan) -> Bre
     Ledger::new(toolpath, machine, plan).breakdown(0..toolpath.segments.len(), 0..toolpath.stops.len())
 }
 
-/// A plan prepared for breaking down its parts: a part costs time in proportion to its size.
+/// A plan prepared for the breakdown of its parts: the work for a part is proportional to its size.
 pub(super) struct Ledger<'a> {
     toolpath: &'a Toolpath,
     machine: &'a Machine,

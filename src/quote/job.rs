@@ -1,4 +1,4 @@
-//! A job → its times and its price: several programs make a part, each on a machine with a set-up.
+//! A job → its times and its price. Several programs make a part, each on a machine with a set-up.
 //!
 //! | symbol | of operation i                                       | inside |
 //! |--------|------------------------------------------------------|--------|
@@ -9,33 +9,33 @@
 //! | t_l    | load and unload, each part                           | s      |
 //! | p      | parts on the machine at a time                    | parts  |
 //!
-//! A batch of n parts is run in L = ⌈n / p⌉ loads. Without a fixture each part takes c. With one, a tool does its work
-//! on all parts of the load before the next tool comes, so that a change is paid once a load:
+//! A batch of n parts is run in L = ⌈n / p⌉ loads. Without a fixture each part takes c. With a fixture, a
+//! tool works on all parts of the load before the next tool change, so that a load pays each change once:
 //!
 //! ```text
 //! a load of q parts      q (c − x) + x − f
 //! a part of the batch    c − x + (x − f) L / n
 //! ```
 //!
-//! A last load that is not full pays its changes in full. f is not nothing only where the operation before ran the same
-//! parts on the same machine in the same load, which is where this one has neither set-up nor loading, and left that
-//! tool in the spindle. That is all by which the order of the operations counts.
+//! A last load that is not full pays its changes in full. f is above 0 only if the operation before ran the
+//! same parts on the same machine in the same load, so that this operation has neither set-up nor loading,
+//! and left the first tool of this operation in the spindle. The order of the operations has no other effect.
 //!
 //! The price is that of [`offer_of_all`] with these cycles; a batch of another size has other loads, and so
-//! another offer. Left out: moves from part to part, and spindle starts that a load could share.
+//! another offer. Limits: moves from part to part, and spindle starts that a load could share, are ignored.
 
 use crate::machine::Machine;
 use crate::quote::offer::{OperationCharge, offer_of_all};
 use crate::quote::{Breakdown, Offer, Quote, TERMS, Terms, Uncertainty};
 
-/// Parts on a machine at a time.
+/// A fixture for several parts on a machine at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fixture {
     /// Number of parts; at least one.
     pub parts: u32,
 }
 
-/// The time of a program on its machine, as far as a job needs it.
+/// The times and tools of a program on its machine that a job needs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlannedOperation {
     /// Contour tolerance, mm; the prevailing one if the program sets several.
@@ -44,13 +44,14 @@ pub struct PlannedOperation {
     pub cycle: Breakdown,
     /// CAM's estimate, s.
     pub programmed: f64,
-    /// The first tool that is called, and the duration of its change, s.
+    /// The first tool that the program calls, and the duration of its change, s.
     pub first_tool: Option<(u32, f64)>,
     /// The tool in the spindle at the end.
     pub last_tool: Option<u32>,
-    /// Half of the range of the time on a calibrated machine, as a part of it; `None` on others.
+    /// Half of the range of the time on a calibrated machine, as a part of the time; `None` on other
+    /// machines.
     pub range: Option<f64>,
-    /// Largest error of the cycle time from the doubts that have a bound, s.
+    /// Largest error of the cycle time by the doubts that have a bound, s.
     pub in_doubt: f64,
     /// `true` if every doubt has a bound.
     pub is_bounded: bool,
@@ -82,7 +83,7 @@ pub struct JobOperation {
     pub set_up: f64,
     /// Time to load and unload a part, s.
     pub loading: f64,
-    /// Fixture for several parts at a time; `None` for one after the other.
+    /// Fixture for several parts at a time; `None` if parts are machined one after the other.
     pub fixture: Option<Fixture>,
     /// Time of its program.
     pub planned: PlannedOperation,
@@ -111,11 +112,12 @@ pub struct BatchTimes {
     pub loading: f64,
     /// Set-up of the batch, all operations.
     pub set_up: f64,
-    /// The batch: set-up once, cycle and loading for each part; the operations one after the other.
+    /// Time of the batch: set-up once, cycle and loading for each part; the operations run one after the
+    /// other.
     pub batch: f64,
 }
 
-/// A term, or the rate of a machine, that is 0 or empty and so missing from the price.
+/// A term, or the rate of a machine, that is 0 or empty and therefore missing from the price.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MissingTerm {
     /// Key of the term or parameter.
@@ -148,7 +150,8 @@ impl QuotedJob {
         self.operations.iter().map(of).collect()
     }
 
-    /// Returns the uncertainty of each operation's cycle time as a part of it; `None` if one is unknown.
+    /// Returns the uncertainty of each operation's cycle time as a part of that time; `None` if any is
+    /// unknown.
     fn ratios(&self) -> Option<Vec<f64>> {
         self.uncertainties().into_iter().map(Uncertainty::ratio).collect()
     }
@@ -157,7 +160,8 @@ impl QuotedJob {
     pub fn times(&self, quantity: u32) -> BatchTimes {
         let cycles = self.cycles(quantity);
         let part: f64 = cycles.iter().map(Breakdown::total).sum();
-        // All operations are at the same end of their range: machines may well be off to the same side.
+        // All operations are taken at the same end of their range, as the errors of the machines may have the
+        // same sign.
         let off = self.ratios().map(|ratios| -> f64 {
             cycles.iter().zip(ratios).map(|(cycle, ratio)| cycle.total() * ratio).sum()
         });

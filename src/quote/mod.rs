@@ -1,6 +1,6 @@
-//! Feed plan → quote: where the time goes, and what it costs.
+//! Feed plan → quote: the cycle time by kind, operation and tool, and its price.
 //!
-//! The breakdown is of the whole program, of each operation and of each tool; see [`Breakdown`].
+//! There is a breakdown of the whole program, of each operation and of each tool; see [`Breakdown`].
 
 mod breakdown;
 mod job;
@@ -34,7 +34,7 @@ use crate::units::{MINUTES_PER_HOUR, SECONDS_PER_MINUTE};
 pub struct Quote {
     /// Contour tolerance, mm; the prevailing one if the program sets several.
     pub tolerance: f64,
-    /// The ranges of the program's own tolerances; empty if one tolerance replaces them.
+    /// The ranges of the tolerances that the program sets; empty if one tolerance replaces them.
     pub tolerance_ranges: Vec<ToleranceRange>,
     /// Cycle time, s.
     pub cycle_time: f64,
@@ -44,7 +44,7 @@ pub struct Quote {
     pub operations: Vec<OperationShare>,
     /// Shares of the tools in the order of first use; they add up to the whole.
     pub tools: Vec<ToolShare>,
-    /// Time lost against length over feedrate, with the places that cost most.
+    /// Time lost against length over feedrate, with the places that lose most.
     pub lost: LostTimes,
     /// Largest distance between the filtered path and the programmed one, mm.
     pub max_contour_error: f64,
@@ -52,14 +52,14 @@ pub struct Quote {
     pub beyond_tolerance: Vec<ErrorRegion>,
     /// Price of one part without set-up, in the currency of the hourly rate.
     pub price: f64,
-    /// Range of the motion time on a calibrated machine; `None` on others.
+    /// Range of the motion time on a calibrated machine; `None` on other machines.
     pub range: Option<TimeRange>,
     /// Doubts about the cycle time.
     pub trust: Trust,
 }
 
-/// Contour errors up to this multiple of the tolerance are rounding: an isolated corner uses the whole
-/// tolerance.
+/// Multiple of the tolerance up to which a contour error counts as within it: an isolated corner uses the
+/// whole tolerance, to within rounding.
 const MAX_TOLERANCE_RATIO: f64 = 1.01;
 
 /// Returns the quote of a plan.

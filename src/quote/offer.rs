@@ -8,15 +8,16 @@
 //! price of n parts = (1 + k) O + n (1 + k) P
 //! ```
 //!
-//! where c is the cycle time, with one addend per kind of time, and k = m / (1 − m) for a margin of
-//! the price, k = m for one on cost. Every addend is rounded to a step of the currency and is a whole number of
-//! steps from there on, so that sums are exact, and the price of one part, P + O / n, falls strictly with n where
-//! O > 0. Amounts of one whole (the kinds of a cycle, its operations) are rounded as running sums, so that they add up to the whole to the step.
+//! where c is the cycle time, with one addend per kind of time; the other symbols are those of the terms. A
+//! margin m of the price gives k = m / (1 − m), a margin on cost k = m. Every addend is rounded to a whole
+//! number of steps of the currency. Sums are therefore exact, and the price of one part, (1 + k) (P + O / n),
+//! falls strictly with n if O > 0. Amounts of one whole (the kinds of a cycle, its operations) are rounded as
+//! running sums, so that they add up exactly to the rounded whole.
 //!
-//! A part that several operations make, each on another machine, costs the sum of theirs: O and P are sums
-//! over the operations, with fixed, material and other cost once.
+//! If several operations make a part, each on its machine, O and P are sums over the operations, with fixed,
+//! material and other cost once.
 //!
-//! Left out: discounts, scrap, taxes.
+//! Limits: discounts, scrap and taxes are ignored.
 
 use crate::machine::Machine;
 use crate::quote::{Breakdown, MarginOf, Rounding, Terms};
@@ -68,7 +69,7 @@ pub struct Addend {
     pub once: bool,
     /// Time that is paid, s; `None` for an amount that is no time.
     pub time: Option<f64>,
-    /// Price of that time, currency per s.
+    /// Price of the time, currency per s.
     pub rate: Option<f64>,
     /// Amount in steps of the currency.
     pub steps: i128,
@@ -117,24 +118,26 @@ impl Offer {
         self.cycles.iter().sum()
     }
 
-    /// Divides a cycle's cost among its parts in proportion to `times`, in steps; the results add up to the
+    /// Divides the cost of the cycle (`cycle`) in proportion to `times`, in steps; the results add up to the
     /// whole.
     pub fn by_time(&self, times: &[f64]) -> Vec<i128> {
         apportioned(self.cycle(), times)
     }
 }
 
-/// Relative difference below which two tolerances count as equal: a calibration knows its own no better.
+/// Relative difference below which two tolerances count as equal: a calibration does not determine its
+/// tolerance more exactly.
 const EQUAL_TOLERANCE_RATIO: f64 = 0.01;
 
 /// The uncertainty of a cycle time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Uncertainty {
-    /// The estimator's figure, as a part of the time.
+    /// The estimator's value, as a part of the time.
     Given(f64),
     /// The error at the machine's calibration, at this tolerance, as a part of the time.
     Calibrated(f64),
-    /// The error at the machine's calibration, at other tolerances; it was not measured at this one.
+    /// The error at the machine's calibration, as a part of the time; it was measured at other tolerances
+    /// than this one.
     Elsewhere(f64),
     /// Unknown.
     Unknown,
@@ -142,7 +145,7 @@ pub enum Uncertainty {
 
 impl Uncertainty {
     /// Returns the uncertainty of a cycle time on a machine at a contour tolerance, mm; `range` is the
-    /// program's possible error on a machine calibrated on others, as a part of the time.
+    /// possible error of the program on a machine calibrated on other programs, as a part of the time.
     pub fn of(terms: &Terms, machine: &Machine, tolerance: f64, range: Option<f64>) -> Uncertainty {
         let is_near = |other: &f64| (other / tolerance - 1.0).abs() < EQUAL_TOLERANCE_RATIO;
         let is_measured = machine.tolerances_of_error().iter().any(is_near);
@@ -161,14 +164,14 @@ impl Uncertainty {
     }
 }
 
-/// An operation as the customer pays for it.
+/// The times of an operation that the customer pays, and its machine.
 #[derive(Clone, Copy, Debug)]
 pub struct OperationCharge<'a> {
     /// Cycle time by kind.
     pub cycle: Breakdown,
-    /// Factor on the cycle; other values than 1 price an uncertain cycle time at its ends.
+    /// Factor on the cycle; values other than 1 give the price at the ends of an uncertain cycle time.
     pub cycle_factor: f64,
-    /// Machine that runs it.
+    /// Machine that runs the operation.
     pub machine: &'a Machine,
     /// Set-up time, s.
     pub set_up: f64,
@@ -176,7 +179,7 @@ pub struct OperationCharge<'a> {
     pub loading: f64,
 }
 
-/// Returns the offer of a batch whose parts take this cycle, times the factor `of_cycle`.
+/// Returns the offer of a batch whose parts each take `cycle` times the factor `of_cycle`.
 pub fn offer(cycle: &Breakdown, of_cycle: f64, machine: &Machine, terms: &Terms) -> Offer {
     let charge = OperationCharge {
         cycle: *cycle,
@@ -188,7 +191,7 @@ pub fn offer(cycle: &Breakdown, of_cycle: f64, machine: &Machine, terms: &Terms)
     offer_of_all(&[charge], terms)
 }
 
-/// Returns the offer of a batch whose parts take these operations.
+/// Returns the offer of a batch whose parts each need these operations.
 pub fn offer_of_all(charges: &[OperationCharge], terms: &Terms) -> Offer {
     let steps = |amount: f64| (amount * terms.rounding.steps()).round() as i128;
     let sum = |item, once, amount: f64| Addend {

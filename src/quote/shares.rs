@@ -1,9 +1,9 @@
 //! The share of each operation and each tool in the cycle time.
 //!
-//! Operations follow one another without gaps, and every operation has one tool, so that the sums
-//! over all operations and over all tools are the whole. A tool's change counts for the tool that
-//! comes in. A move that goes through from one operation to the next without a stop counts for the
-//! operation its segment belongs to.
+//! Operations follow one another without gaps, and every operation has one tool, so that the sums over all
+//! operations and over all tools are the whole. A tool change counts for the tool that enters the spindle.
+//! Where the motion continues from one operation to the next without a stop, each segment counts for the
+//! operation to which it belongs.
 
 use std::ops::Range;
 
@@ -78,8 +78,8 @@ pub struct ToolShare {
     pub share: TimeShare,
 }
 
-/// Returns CAM's estimate, s: length over programmed feedrate, rapids at the rapid feedrate, dwells; no
-/// ramps, no corners, no changes, no overrides.
+/// Returns CAM's estimate, s: length over programmed feedrate, rapids at the rapid feedrate, and dwells,
+/// without ramps, corners, tool changes and overrides.
 pub fn programmed_time(toolpath: &Toolpath, machine: &Machine) -> f64 {
     let moves = toolpath.segments.iter().map(|segment| segment.length / programmed(&segment, machine));
     let dwells = toolpath.stops.iter().map(|stop| programmed_wait(&stop.cause, machine));
@@ -132,8 +132,8 @@ pub(super) fn operation_shares(
     shares.collect()
 }
 
-/// Returns the share of these segments and stops, and their first and last line, in reverse order if there
-/// are none.
+/// Returns the share of these segments and stops, and their first and last line; the lines are in reverse
+/// order if there are no segments and stops.
 fn share(
     toolpath: &Toolpath,
     machine: &Machine,

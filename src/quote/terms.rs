@@ -6,7 +6,7 @@
 //! | t_s    | set-up time, once a batch     | s            |
 //! | t_l    | load and unload, each part    | s            |
 //! | r_o    | operator's rate               | currency / s |
-//! | a      | part of the cycle he attends  | 0 to 1       |
+//! | a      | part of the cycle attended    | 0 to 1       |
 //! | m      | margin, of the price or on cost | ratio      |
 //!
 //! The machine's own rate is a parameter of the machine. Amounts of money are in the user's currency.
@@ -44,7 +44,7 @@ pub struct Terms {
     pub currency: String,
     /// Step to which amounts are rounded.
     pub rounding: Rounding,
-    /// Uncertainty of the cycle time as a part of it; `None` uses the machine's.
+    /// Uncertainty of the cycle time as a part of it; `None`: that of the machine.
     pub uncertainty: Option<f64>,
 }
 
@@ -119,7 +119,7 @@ impl Default for Terms {
     }
 }
 
-/// One term as the form shows it.
+/// The description of a term for the form.
 pub struct Term {
     /// Key, with the unit in it.
     pub key: &'static str,
@@ -143,7 +143,7 @@ pub enum TermAccess {
         max: f64,
         /// `true` for whole numbers.
         whole: bool,
-        /// Returns the value; `None` if it has none.
+        /// Returns the value; `None` if the terms have none.
         get: fn(&Terms) -> Option<f64>,
         /// Sets the value; `None` restores the neutral one.
         set: fn(&mut Terms, Option<f64>),
@@ -173,7 +173,7 @@ pub enum TermAccess {
     },
 }
 
-/// Quantities that can be quoted.
+/// Least and largest quantity of an offer.
 pub const QUANTITY_BOUNDS: (f64, f64) = (1.0, 1e6);
 
 const fn number(

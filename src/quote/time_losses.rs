@@ -1,8 +1,8 @@
-//! Where a plan loses most time against length over feedrate, and why.
+//! The places where a plan loses most time against length over feedrate, with the reasons.
 //!
-//! A move of length L (mm) at the feedrate F (mm/s) would take L / F; what it takes beyond that is lost, and so is
-//! all time without a move. A pulse of the command that lasts t over the distance s loses t − s / F. The fastest
-//! pulses of a block divide it:
+//! A move of length L (mm) at the feedrate F (mm/s) would take L / F. All time beyond that is lost, and so is
+//! all time without a move. A pulse of the command that lasts t over the distance s loses t − s / F. The
+//! fastest pulses of a block divide it:
 //!
 //! ```text
 //!  F   - - - - - - - - - - - - -
@@ -20,8 +20,8 @@
 //! | rapid | rapid moves in a row, against the rapid feedrate, with their ramps |
 //! | wait, halt, start | time without a move; the time of a turn of rotary axes beyond the programmed one |
 //!
-//! Each second lost is in one place, so that all of them add up to the whole. Blocks in a row are divided where they
-//! would be longer than a hundredth of the path, so that a place is one on a long surface too.
+//! Each lost second belongs to one place, so that the places add up to the whole. A row of blocks is divided
+//! if it would be longer than a hundredth of the path, so that a long surface is not a single place.
 
 use crate::machine::Machine;
 use crate::quote::shares::{programmed, programmed_wait};
@@ -34,7 +34,7 @@ use crate::simulation::toolpath::{Curve, Motion, Segment, StopCause, Toolpath};
 pub const MAX_LISTED_LOSSES: usize = 10;
 /// Largest length of a row of blocks that is one place, as a part of the path.
 const MAX_PART_OF_PATH: f64 = 0.01;
-/// A command counts as reached from this part of it on.
+/// Part of a command from which on the command counts as reached.
 const REACHED_COMMAND_RATIO: f64 = 0.999;
 
 /// The reason for lost time at a place.
@@ -122,7 +122,7 @@ pub fn lost_times(
 ) -> LostTimes {
     let mut places: Vec<TimeLoss> = Vec::with_capacity(MAX_LISTED_LOSSES + 1);
     each_place(toolpath, machine, plan, tolerances, &mut |place| {
-        // A remainder of rounding is no place.
+        // A place that loses less is only rounding.
         if 1e-6 < place.seconds {
             let index = places.partition_point(|other| place.seconds <= other.seconds);
             if index < MAX_LISTED_LOSSES {
@@ -142,7 +142,8 @@ fn total(toolpath: &Toolpath, machine: &Machine, plan: &FeedPlan) -> f64 {
     running_sum([plan.cycle_time()].into_iter().chain(moves).chain(turns)).last().unwrap_or(0.0)
 }
 
-/// Time lost by a block before, on and after its fastest pulses (s), and where these are along it (mm).
+/// Time lost by a block before, on and after its fastest pulses (s), and the distances of these pulses along
+/// the block (mm).
 #[derive(Clone, Copy, Default)]
 struct BlockDivision {
     head: f64,
@@ -184,10 +185,10 @@ impl BlockDivision {
     }
 }
 
-/// The end of a block, which belongs to the corner or full stop after it.
+/// The tail of a block, which belongs to the corner or full stop after the block.
 struct BlockTail {
     line: LineNumber,
-    /// Distance along the path at which it begins and ends, mm.
+    /// Distance along the path at which the tail begins and ends, mm.
     distance: (f64, f64),
     /// Time lost, s.
     seconds: f64,
@@ -316,7 +317,7 @@ impl LossWalk<'_> {
             let (before, after) = (begins(index == first), begins(index == last));
             let (here, there) = (self.travelled, self.travelled + segment.length);
 
-            // The end of the block before, with the beginning of this one.
+            // The tail of the block before and the head of this one belong together.
             let entering = if is_whole { 0.0 } else { head } + if is_rapid { 0.0 } else { before };
             let entered = if is_whole { here } else { here + division.from };
             self.pass_boundary(
@@ -354,8 +355,8 @@ impl LossWalk<'_> {
         }
     }
 
-    /// Books `seconds` lost at the boundary before this block, up to `to` (mm), as a stop, a corner, or part
-    /// of a row of short blocks.
+    /// Adds `seconds` lost at the boundary before this block, up to `to` (mm), to a stop, a corner, or a row
+    /// of short blocks.
     fn pass_boundary(
         &mut self,
         (index, segment): (usize, &Segment),

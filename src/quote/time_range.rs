@@ -5,18 +5,20 @@
 //! ```
 //!
 //! r is the error on programs left out of the calibration, from the machine file; U is [`UNSHOWN_ERROR`] or
-//! [`UNSHOWN_FEED_ERROR`]. The calibrating programs did not show corners that turn more, arcs and blocks of other
-//! size, faster feeds, and faster rapids of an axis. The times are lengths over feedrates, around a corner no
-//! more than [`CORNER_REACH_S`] of them.
+//! [`UNSHOWN_FEED_ERROR`]. Features that the calibrating programs did not show are corners that turn more,
+//! arcs and blocks of other size, faster feeds, and faster rapids of an axis. The time of a feature is length
+//! over feedrate, around a corner at most [`CORNER_REACH_S`] of it.
 //!
-//! If the runs show no corner at all, nothing is known of the corner law, from no loss to a full stop. Each end of a segment
-//! of length L at a corner may then lose half of t(v) + D − L/F, with t below for its length and acceleration, F its feedrate,
-//! v the velocity that it reaches, and D the filter delay.
+//! If the runs show no corner at all, the corner law is unknown: a corner may cost anything from no time to a
+//! full stop. Each end of a segment of length L at a corner may then lose half of t(v) + D − L/F, with t as
+//! below for the length and acceleration of the segment, F its feedrate, v the velocity that it reaches, and
+//! D the filter delay.
 //!
-//! A feed is faster if it moves an axis faster than the runs did in feed and rapid: an axis can cut as fast as it
-//! moved in rapid, if the runs recorded positions. A rapid is faster if an axis, whose rapid rate no run showed, travels a way w that is long enough to
-//! exceed V, its highest velocity in the runs or half of that of the fastest axis. Its rate may be as low as V, and at
-//! an acceleration A
+//! A feed is faster if it moves an axis faster than any move of the runs, feed or rapid: if the runs recorded
+//! positions, an axis can cut as fast as it moved in rapid. A rapid is faster if an axis whose full rapid
+//! rate no run showed travels a distance w (mm) that is long enough to exceed V (mm/s), its highest velocity
+//! in the runs, or half of that of the fastest axis if larger. The rapid rate of the axis may be as low as V,
+//! so that with its acceleration A (mm/s²)
 //!
 //! ```text
 //! U = t(V) / t(R) − 1,  t(v) = w / v + v / A        R velocity reached in the simulation, at most √(A w)
@@ -28,19 +30,21 @@ use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Toolpath};
 
 /// Additional relative error of the time of features that were not shown. Faster feeds have longer ramps,
-/// whose acceleration slow ones hardly show; the parameters of the other laws hold beyond what was shown, where
-/// the family of the control was found (docs/diagnosis.md has the errors).
+/// whose acceleration slow feeds hardly show. The parameters of the other laws remain valid beyond the
+/// features shown if the calibration found the family of the control (docs/diagnosis.md has the errors).
 const UNSHOWN_FEED_ERROR: f64 = 0.2;
 const UNSHOWN_ERROR: f64 = 0.05;
-/// Time on either side that a corner affects, s.
+/// Time on either side of a corner that the corner affects, s.
 const CORNER_REACH_S: f64 = 0.1;
 /// Least turn of a corner, rad.
 const MIN_TURN_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
 /// Least difference of turns beyond the largest one shown, rad.
 const MIN_TURN_EXCESS_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
-/// Radii and lengths are of other size from this ratio on; feedrates and rapids are longer or faster from these.
+/// Ratio of radii or lengths from which on they count as of other size.
 const MIN_SIZE_RATIO: f64 = 2.0;
+/// Ratio of feedrates from which on one counts as faster.
 const MIN_FASTER_RATIO: f64 = 1.25;
+/// Ratio of the lengths of rapids from which on one counts as longer.
 const MIN_LONGER_RATIO: f64 = 1.5;
 /// Least time of a block that is not short, s: length over feedrate.
 const MAX_SHORT_BLOCK_S: f64 = 0.1;
@@ -70,7 +74,7 @@ impl UnshownFeature {
         UnshownFeature::Rapids,
     ];
 
-    /// Returns by how much more the time of the feature may be off, as a part of it.
+    /// Returns the additional error of the time of the feature, as a part of that time.
     fn error_ratio(self) -> f64 {
         if self == UnshownFeature::Feeds { UNSHOWN_FEED_ERROR } else { UNSHOWN_ERROR }
     }
@@ -96,7 +100,7 @@ pub struct TimeRange {
     pub unshown: Vec<(UnshownFeature, f64)>,
 }
 
-/// Returns the range of features that programs show.
+/// Returns the extents of the features that programs show.
 pub fn features_of<'a>(toolpaths: impl IntoIterator<Item = &'a Toolpath>) -> CalibratedOn {
     let mut asked = CalibratedOn::default();
     for toolpath in toolpaths {
@@ -110,10 +114,10 @@ pub fn features_of<'a>(toolpaths: impl IntoIterator<Item = &'a Toolpath>) -> Cal
     asked
 }
 
-/// Largest relative difference of travels of one program.
+/// Largest relative difference between travels that identify one program.
 const EQUAL_TRAVEL_RATIO: f64 = 1e-4;
 
-/// Returns `true` if one of these programs travels equally far along the path and in each axis.
+/// Returns `true` if one of these travels, along the path and in each axis, equals that of the program.
 fn is_among(travels: &[[f64; 4]], toolpath: &Toolpath) -> bool {
     let own = travel(toolpath);
     let apart = EQUAL_TRAVEL_RATIO * own[0];
@@ -130,7 +134,7 @@ fn travel(toolpath: &Toolpath) -> [f64; 4] {
 }
 
 /// Returns the possible error of a program's time, as a part of it, on a machine calibrated on other
-/// programs; `None` for programs that served the calibration, and on machines without that figure.
+/// programs; `None` for programs of the calibration, and on machines without this value.
 pub fn error_beyond_calibration(toolpath: &Toolpath, machine: &Machine) -> Option<f64> {
     let travels = &machine.calibrated_on.travels;
     if travels.is_empty() || is_among(travels, toolpath) {
@@ -180,33 +184,36 @@ fn turn_after(toolpath: &Toolpath, segment: usize) -> Option<f64> {
 /// A part of a program that was not shown.
 struct Unshown {
     feature: UnshownFeature,
-    /// Its time, s.
+    /// Time of the part, s.
     lasts: f64,
     /// Largest error of that time, as a part of it.
     error: f64,
 }
 
-/// Largest error of the time of what was not shown, as a part of it.
+/// Largest error of the time of a feature that was not shown, as a part of that time.
 const MAX_UNSHOWN_ERROR: f64 = 1.0;
 /// Least velocity of an axis relative to the fastest one of the same machine.
 const MIN_AXIS_RATIO: f64 = 0.5;
 
-/// Returns the velocities of the axes that a segment asks for, mm/s, the largest along it.
+/// Returns the largest velocity of each axis along a segment at its requested feedrate, mm/s.
 fn axis_velocities(segment: &Segment, machine: &Machine) -> [f64; 3] {
     (requested_feedrate(segment, machine) * largest_share(segment)).into()
 }
 
-/// Returns the highest velocity on a way (mm) from rest to rest, at most `velocity`, mm/s.
+/// Returns the highest velocity that a move over the distance `way` (mm) from rest to rest reaches, at most
+/// `velocity`, mm/s.
 fn reached_velocity(way: f64, velocity: f64, acceleration: f64) -> f64 {
     velocity.min((way * acceleration).sqrt())
 }
 
-/// Returns the time of a way (mm) from rest to rest with the velocity (mm/s) that it reaches, s.
+/// Returns the time of a move over the distance `way` (mm) from rest to rest that reaches the velocity
+/// `reached` (mm/s), s.
 fn rest_to_rest_time(way: f64, reached: f64, acceleration: f64) -> f64 {
     way / reached + reached / acceleration
 }
 
-/// Returns what of a rapid is faster than any move of the runs; `None` if nothing is.
+/// Returns the part of a rapid in which an axis is faster than in any move of the runs; `None` if there is
+/// none.
 fn faster_rapid(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> Option<Unshown> {
     let velocities = axis_velocities(segment, machine);
     let of_others = MIN_AXIS_RATIO * shown.into_iter().fold(0.0, f64::max);
@@ -234,7 +241,8 @@ fn has_faster_axis(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> boo
     velocities.iter().zip(shown).any(|(velocity, shown)| MIN_FASTER_RATIO * shown < *velocity)
 }
 
-/// Returns the time of a segment that `lasts` so long (s) beside corners that turn more than any corner of the runs.
+/// Returns the part of a segment, which takes the time `lasts` (s), next to corners that turn more than any
+/// corner of the runs.
 fn unshown_corners(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts: f64) -> Unshown {
     let turns = machine.calibrated_on.turns;
     let is_sharper = |end: &usize| {
@@ -253,7 +261,7 @@ fn unshown_corners(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts
     Unshown { feature: UnshownFeature::Corners, lasts: lasts_at_corners, error }
 }
 
-/// Returns by how much longer a segment takes from rest to rest than at its feedrate, s.
+/// Returns the time by which a segment takes longer from rest to rest than at its feedrate, s.
 fn stopping_loss(segment: &Segment, machine: &Machine) -> f64 {
     let (feedrate, acceleration) = (requested_feedrate(segment, machine), acceleration(segment, machine));
     let reached = reached_velocity(segment.length, feedrate, acceleration);
@@ -261,7 +269,8 @@ fn stopping_loss(segment: &Segment, machine: &Machine) -> f64 {
     from_rest_to_rest + machine.interpolator.filter_delay(feedrate) - segment.length / feedrate
 }
 
-/// Returns what of a segment that `lasts` so long (s) was not shown; `None` if all was.
+/// Returns the part of a segment, which takes the time `lasts` (s), that the runs did not show; `None` if
+/// they showed all of it.
 fn unshown(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts: f64) -> Option<Unshown> {
     let on = &machine.calibrated_on;
     if let (Motion::Rapid, Some(shown)) = (toolpath.segments.motion(segment), on.velocities) {
@@ -275,7 +284,7 @@ fn unshown(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts: f64) -
     (!is_shown_by_velocity).then(|| Unshown { feature, lasts, error: feature.error_ratio() })
 }
 
-/// Returns a feature of a segment that was not shown; `None` if all were.
+/// Returns a feature of a segment that the runs did not show; `None` if they showed all of them.
 fn unshown_feature(toolpath: &Toolpath, on: &CalibratedOn, segment: usize) -> Option<UnshownFeature> {
     let length = toolpath.segments.length(segment);
     match (toolpath.segments.motion(segment), toolpath.segments.curve(segment)) {

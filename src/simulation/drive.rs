@@ -1,4 +1,4 @@
-//! Profile → actual motion: what the axes make of the interpolator's command.
+//! Profile → actual motion: the motion of the axes that follow the interpolator's command.
 //!
 //! Each axis follows the filtered position x(t) through, in this order,
 //!
@@ -9,21 +9,22 @@
 //!                   w stays, until |z − w| would exceed b/2
 //! ```
 //!
-//! None of them changes the cycle time. Between two rows of the profile the command is taken as the cubic through
-//! position and velocity at both, for which the two differential equations are solved in closed form; rows are
-//! first added so that a time constant or a radian of vibration spans at least two, until what was before has died
-//! away: from there the motion bends no more than its command, and a dwell or a slow move costs the same however
-//! long it lasts. The cubic's error falls with the fourth power of the spacing; over steps that are very short
-//! against the time constant, where its higher terms are rounding alone, it is its mean. An axis with nothing to
-//! follow through keeps its columns bit for bit.
+//! None of them changes the cycle time. Between two rows of the profile the command is taken as the cubic
+//! through position and velocity at both, for which the two differential equations are solved in closed form.
+//! Rows are first added, so that a time constant or a radian of vibration spans at least two rows, until the
+//! response to the earlier motion has decayed. From there on the motion bends no more than its command, so
+//! that a dwell or a slow move costs the same however long it lasts. The error of the cubic falls with the
+//! fourth power of the spacing. Over steps that are very short against the time constant the higher terms of
+//! the cubic are only rounding, and its mean is used. An axis without lag, vibration and backlash keeps its
+//! columns bit for bit.
 //!
-//! Source: the usual models, as in the comment on each in the vendors' manuals; limits: no
-//! friction, no cross-talk between axes, no feedforward.
+//! Source: the usual models, as in vendors' manuals. Limits: no friction, no coupling between axes, no
+//! feedforward.
 
 use crate::machine::{Axis, Machine, StructuralMode};
 use crate::simulation::profile::Samples;
 
-/// Returns the actual motion on a machine, from the profile it is commanded.
+/// Returns the actual motion of a machine from the commanded profile.
 ///
 /// # Examples
 ///
@@ -77,7 +78,8 @@ fn longest_spacing(axis: &Axis) -> f64 {
     lag.min(mode)
 }
 
-/// Time constants after which an axis has settled: of any earlier motion e⁻³⁰, a 10¹³th, is left.
+/// Number of time constants after which an axis has settled: e⁻³⁰ of any earlier motion remains, a part of
+/// 10¹³.
 const SETTLING_TIME_CONSTANTS: f64 = 30.0;
 
 /// Returns the sum of the time constants of the lag and of the vibration of an axis, s.
@@ -174,11 +176,11 @@ impl Cubic {
     }
 }
 
-/// Steps shorter than this part of a time constant use the mean of the command.
+/// Duration of a step, as a part of a time constant, below which the mean of the command is used.
 const SHORT_STEP_RATIO: f64 = 5e-3;
 
-/// Runs `step(state, command, duration) -> state` from row to row, beginning at rest, and
-/// replaces the columns by the states (position, velocity). `constant` is the time constant, s.
+/// Applies `step(state, command, duration) -> state` from row to row, beginning at rest, and replaces the
+/// columns by the states (position, velocity). `constant` is the time constant, s.
 fn follow(
     time: &[f64],
     position: &mut [f64],
@@ -205,7 +207,7 @@ fn follow(
     velocity[0] = 0.0;
 }
 
-/// First-order lag of time constant `constant`, s: y = p + (y0 − p0) e^(−t/τ).
+/// Applies a first-order lag with the time constant `constant`, s: y = p + (y0 − p0) e^(−t/τ).
 fn lag(time: &[f64], position: &mut [f64], velocity: &mut [f64], constant: f64) {
     follow(time, position, velocity, constant, |(y, _), command, duration| {
         let steady = command.steady_response(constant, 0.0);
@@ -214,7 +216,7 @@ fn lag(time: &[f64], position: &mut [f64], velocity: &mut [f64], constant: f64) 
     });
 }
 
-/// Damped oscillator: z = p + e^(−ζωt) (A cos ω't + B sin ω't), ω' = ω √(1 − ζ²).
+/// Applies a damped oscillator: z = p + e^(−ζωt) (A cos ω't + B sin ω't), ω' = ω √(1 − ζ²).
 fn vibrate(time: &[f64], position: &mut [f64], velocity: &mut [f64], mode: StructuralMode) {
     let omega = angular(mode);
     let decay = mode.damping * omega;
@@ -231,7 +233,7 @@ fn vibrate(time: &[f64], position: &mut [f64], velocity: &mut [f64], mode: Struc
     });
 }
 
-/// Backlash of width `width`, mm, centred at the start; the table rests while the drive crosses it.
+/// Applies backlash of `width` (mm), centred at the start: the table rests while the drive crosses it.
 fn cross_play(position: &mut [f64], velocity: &mut [f64], width: f64) {
     let Some(&start) = position.first() else { return };
     let mut table = start;

@@ -13,7 +13,7 @@
 //!        0        D/2          D  = T1 + … + Tn, the filter delay
 //! ```
 //!
-//! The interpolator needs its integrals, each 0 before t = 0:
+//! The interpolator needs the integrals of h, each 0 before t = 0:
 //!
 //! ```text
 //! V = ∫h   answer of the velocity to a step of velocity       after D: 1
@@ -28,8 +28,8 @@
 //! V(t) = Σ_{k=0..n} (−1)^k C(n,k) (t − kT)₊ⁿ / (n! Tⁿ)
 //! ```
 //!
-//! The polynomials are built by convolving box after box in coordinates local to each knot, which
-//! loses no digits where constants differ by orders of magnitude, as the sum above would.
+//! The polynomials are built by convolving box after box in coordinates local to each knot. This loses no
+//! digits even if the constants differ by orders of magnitude, for which the sum above would.
 
 /// Two knots closer than this part of the delay are one: they differ by rounding alone.
 const KNOT_MERGE_RATIO: f64 = 1e-12;
@@ -98,7 +98,7 @@ impl FilterChain {
         &self.time_constants
     }
 
-    /// Returns the filter delay D = Σ Ti, s: how long a step takes to arrive in full.
+    /// Returns the filter delay D = Σ Ti, s: the time that a step takes to arrive in full.
     pub fn delay(&self) -> f64 {
         self.delay
     }
@@ -315,8 +315,8 @@ fn moved(c: &[f64; 4], x: f64) -> [f64; 4] {
     [polynomial(c, x), c[1] + x * (2.0 * c[2] + x * 3.0 * c[3]), c[2] + 3.0 * x * c[3], c[3]]
 }
 
-/// The bell `bell` on 0 … `support` averaged over `constant`: its slope is
-/// (h(t) − h(t − constant)) / constant, and it begins at 0.
+/// Returns the bell `bell` on 0 … `support` averaged over `constant`, all s: the slope of the result is (h(t)
+/// − h(t − constant)) / constant, and it begins at 0.
 fn convolved_with_box(bell: &[BellPiece], support: f64, constant: f64, same_knot: f64) -> Vec<BellPiece> {
     let around = |t: f64| -> [f64; 4] {
         if t < -same_knot || support - same_knot <= t {

@@ -1,5 +1,5 @@
-//! The simulation, stage by stage: bytes → blocks → toolpath → feed plan → profile; [`simulate`](simulate()) is
-//! its front door.
+//! The simulation, stage by stage: bytes → blocks → toolpath → feed plan → profile. [`simulate`](simulate())
+//! is the entry point.
 
 pub mod packed;
 pub mod ordered;

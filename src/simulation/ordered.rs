@@ -1,5 +1,5 @@
-//! Sorting by a number. One sort does for items of every type: compiled for each type by itself, sorting made
-//! a tenth of the module that the page loads.
+//! Sorting by a number. One sort serves items of every type: sorting compiled for each type took a tenth of
+//! the WebAssembly module that the page loads.
 
 /// Sorts items by a number in ascending order; items with equal numbers keep their order.
 pub fn sort_by_number<T>(items: &mut [T], number: impl FnMut(&T) -> f64) {

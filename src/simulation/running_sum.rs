@@ -1,6 +1,7 @@
-//! Sums of long lists that lose no digits.
+//! Sums of long lists without loss of digits.
 
-/// A sum as if rounded once: Neumaier's summation, so that a million blocks lose no more digits than one.
+/// A sum as accurate as if it were rounded once (Neumaier's summation): a million blocks lose no more digits
+/// than one.
 #[derive(Clone, Copy, Default)]
 pub struct RunningSum {
     sum: f64,

@@ -1,8 +1,8 @@
-//! Toolpath and machine → [`FeedPlan`]: the front door of the simulation.
+//! Toolpath and machine → [`FeedPlan`]: the entry point of the simulation.
 //!
-//! The command is planned as in [`feed`](crate::simulation::feed), corrected until its path holds the contour
-//! tolerance if the corner mode requires it, and scaled in time where acceleration limits act behind the
-//! filters. A plan that leaves this module is complete: nothing has to be added to it before its times are read.
+//! The command is planned as in [`feed`](crate::simulation::feed), corrected until its path keeps the contour
+//! tolerance if the corner mode requires that, and scaled in time if acceleration limits act behind the
+//! filters. A plan from this module is complete: its times are those of the machine.
 
 use crate::machine::{CornerMode, Machine};
 use crate::simulation::contour::{ContourErrors, contour_errors, guaranteed};
@@ -10,7 +10,8 @@ use crate::simulation::feed::{CornerPolicy, FeedPlan, Tolerances, command};
 use crate::simulation::profile::{Profile, time_scaled};
 use crate::simulation::toolpath::Toolpath;
 
-/// Returns the plan of a program on a machine, at the tolerances of the program or else the machine's.
+/// Returns the plan of a program on a machine, at the tolerances of the program, or at that of the machine
+/// where the program sets none.
 ///
 /// # Examples
 ///
@@ -30,9 +31,9 @@ pub fn simulate(toolpath: &Toolpath, machine: &Machine) -> FeedPlan {
     planned(toolpath, machine, Tolerances::Programmed, &mut |_| {}).0
 }
 
-/// Returns the plan of a toolpath that holds a contour tolerance (mm), or the program's own, in the machine's
-/// corner mode, with the contour errors of its profile. Calls `progress` with the completed fraction, which
-/// stays below 1.
+/// Returns the plan of a toolpath for a contour tolerance (mm), or for the tolerances of the program, in the
+/// machine's corner mode, with the contour errors of its profile. Calls `progress` with the completed
+/// fraction, which stays below 1.
 pub fn within(
     toolpath: &Toolpath,
     machine: &Machine,

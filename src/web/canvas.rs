@@ -1,8 +1,8 @@
 //! The canvas of a page as a plotters backend that measures text by the canvas itself.
 //!
-//! plotters measures a text by putting it in the page with an inline style, which the page's
-//! Content-Security-Policy refuses, and which makes the browser lay out the page for each label.
-//! Everything else is plotters-canvas.
+//! plotters measures a text by inserting it in the page with an inline style. The page's
+//! Content-Security-Policy refuses that style, and the browser would lay out the page again for each label.
+//! All other drawing is done by plotters-canvas.
 
 use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
@@ -24,8 +24,8 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    /// Returns the canvas, set to a size in CSS pixels at a pixel ratio, or the reason why it cannot be drawn
-    /// on.
+    /// Returns the canvas, set to a size in CSS pixels at a pixel ratio, or the reason why it does not permit
+    /// drawing.
     pub(super) fn sized(
         canvas: HtmlCanvasElement,
         width: f64,
@@ -113,7 +113,7 @@ impl DrawingBackend for Canvas {
     ) -> Result<(u32, u32), DrawingErrorKind<CanvasError>> {
         let size = style.size();
         self.context.set_font(&format!("{} {size}px {}", style.style().as_str(), style.family().as_str()));
-        // Half a size per letter is close enough if a browser measures nothing.
+        // If the browser cannot measure text, half the font size per letter is accurate enough.
         let width = self
             .context
             .measure_text(text)

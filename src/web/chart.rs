@@ -1,7 +1,7 @@
-//! The chart on its canvas: it keeps the curves, the view and the frame of the last drawing.
+//! The chart on its canvas, with its curves, its view and the frame of the last drawing.
 //!
-//! All pixels at the interface are CSS pixels from the canvas' top left corner; the device's pixel ratio is
-//! applied here.
+//! All pixels at the interface are CSS pixels from the canvas' top left corner; the conversion to device
+//! pixels is done here.
 
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
@@ -37,15 +37,15 @@ pub struct ChartPointer {
     pub x: f64,
     /// Distance along the path, mm.
     pub distance: f64,
-    /// Line of the program that runs there.
+    /// Line of the program at the distance.
     pub line: Option<u32>,
-    /// Programmed feedrate there, mm/min.
+    /// Programmed feedrate at the distance, mm/min.
     pub programmed: Option<f64>,
-    /// `true` for a rapid move.
+    /// `true` if the segment at the distance is a rapid move.
     pub rapid: bool,
     /// Values of each curve, in the order of the curves.
     pub curves: Vec<CurveAtPointer>,
-    /// Time lost up to there, s; undefined without a recording.
+    /// Time lost up to the distance, s; undefined without a recording.
     pub lost: Option<f64>,
     /// Time lost against the machine after a change, s; undefined if there is one machine only.
     #[wasm_bindgen(js_name = lostAfter)]
@@ -58,7 +58,7 @@ pub struct ChartPointer {
 pub struct CurveAtPointer {
     /// Name of the curve.
     pub label: String,
-    /// Feedrate, mm/min; the mean of the strip if means are drawn there.
+    /// Feedrate, mm/min; the mean of the strip if means are drawn at the distance.
     pub feedrate: f64,
     /// Least and largest feedrate in that strip, mm/min; empty where every sample is drawn.
     pub range: Vec<f64>,
@@ -120,7 +120,7 @@ impl Chart {
         self.follow(span[0], span[1]);
     }
 
-    /// Draws each curve in a panel, or all in one.
+    /// Draws each curve in its own panel, or all curves in one.
     #[wasm_bindgen(js_name = setStacked)]
     pub fn set_stacked(&mut self, stacked: bool) {
         for chart in self.both() {
@@ -154,8 +154,8 @@ impl Chart {
         self.chart.curves.iter().map(|curve| curve.label.clone()).collect()
     }
 
-    /// Adds a curve under a name, empty until it is filled: the ranges of its tolerances along the path, and
-    /// the tolerances; all in mm.
+    /// Adds a curve with a name, the ranges of its tolerances along the path, and the tolerances, all in mm.
+    /// The curve is empty until [`fill`](Chart::fill).
     pub fn add(&mut self, label: String, from: &[f64], to: &[f64], tolerance: &[f64]) {
         let stretches = from.iter().zip(to).zip(tolerance);
         let tolerances =
@@ -170,7 +170,7 @@ impl Chart {
         }
     }
 
-    /// Gives the curve added last its contour errors; the columns are those of `Columns`.
+    /// Adds contour errors to the curve added last; the columns are those of `Columns`.
     #[wasm_bindgen(js_name = fillErrors)]
     pub fn fill_errors(&mut self, corner: Vec<f64>, arcs: Vec<u32>, along_arcs: Vec<f64>) {
         if let Some(curve) = self.chart.curves.last_mut() {
@@ -190,7 +190,7 @@ impl Chart {
         self.chart.lost_after = Some(LostTime { distance, seconds: seconds.into() });
     }
 
-    /// Returns the colour of the curve with this index, as CSS writes it.
+    /// Returns the colour of the curve with this index in the notation of CSS.
     pub fn color(&self, index: usize) -> String {
         let curves = self.theme().curves;
         let (r, g, b) =
@@ -251,7 +251,7 @@ impl Chart {
         self.view = self.whole();
     }
 
-    /// Resets the view for a new program, or keeps as much of it as the program still has.
+    /// Resets the view if the argument is `true`, as for a new program; otherwise limits it to the path.
     pub fn fit(&mut self, anew: bool) {
         self.view = if anew { self.whole() } else { self.view.moved(0.0, 0.0, self.whole()) };
     }
@@ -266,7 +266,7 @@ impl Chart {
         self.view = self.view.over(self.on_abscissa((from, to)), self.whole());
     }
 
-    /// Magnifies along the distance by `factor` about a pixel column, or about the middle.
+    /// Magnifies the distance by `factor` about a pixel column, or about the middle.
     pub fn zoom(&mut self, factor: f64, x: Option<f64>) {
         let (low, high) = self.view.distance;
         let center = x.map_or(0.5 * (low + high), |x| self.frame.distance_at(x * self.scale));
@@ -316,8 +316,8 @@ impl Chart {
         self.pointer(distance, at)
     }
 
-    /// Returns the data at a distance (mm); undefined outside the path. Over time, each curve is read at the
-    /// moment when the first one is there.
+    /// Returns the data at a distance (mm); undefined outside the path. In a chart over time, each curve is
+    /// read at the moment at which the first curve reaches the distance.
     pub fn reading(&self, distance: f64) -> Option<ChartPointer> {
         self.pointer(distance, self.on_abscissa((distance, distance)).0)
     }

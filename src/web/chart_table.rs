@@ -29,7 +29,7 @@ pub struct TableRow {
     pub lost_after: Option<f64>,
 }
 
-/// One curve in a part.
+/// The values of one curve in a part of the view.
 #[wasm_bindgen(getter_with_clone)]
 #[derive(Clone)]
 pub struct TableCell {

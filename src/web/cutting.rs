@@ -22,7 +22,7 @@ pub fn example_cutting() -> String {
     crate::project::EXAMPLE_CUTTING.to_string()
 }
 
-/// Returns the tools that a program describes by its comments, by its head, as a JSON list: number, name,
+/// Returns the tools that the comments in the head of a program describe, as a JSON list: number, name,
 /// diameter, teeth.
 #[wasm_bindgen(js_name = toolsOf)]
 pub fn tools_of(head: &[u8]) -> String {
@@ -76,12 +76,13 @@ pub struct LoadColumns {
     pub predicted_per_tooth: Vec<f64>,
 }
 
-/// Completed fractions after the simulation, and after the cut of the stock.
+/// Completed fraction after the simulation.
 const SIMULATED_FRACTION: f64 = 0.1;
+/// Completed fraction after the cut of the stock.
 const STOCK_CUT_FRACTION: f64 = 0.5;
 
-/// Cuts the stock of a cutting job (text) with a program on the machine of a filled form; throws the fault of
-/// the job. Calls `progress` with the completed fraction, 0 to 1.
+/// Returns the loads of a program that cuts the stock of a cutting job (text) on the machine of a filled
+/// form; throws the fault of the job. Calls `progress` with the completed fraction, 0 to 1.
 #[wasm_bindgen(js_name = computeCutting)]
 pub fn compute_cutting(
     program: &[u8],
@@ -95,7 +96,7 @@ pub fn compute_cutting(
     let setup = cutting_from_toml(job, &machine).map_err(|fault| fault.to_string())?;
     let toolpath = toolpath(program, dialect, &machine);
     let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
-    // An exception of a listener does not concern the computation.
+    // An exception of a listener does not stop the computation.
     let tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
     let (plan, errors) =
         simulate::within(&toolpath, &machine, tolerances, &mut |part| tell(SIMULATED_FRACTION * part));
@@ -172,8 +173,8 @@ impl LoadPicture {
         LoadPicture { chart }
     }
 
-    /// Draws the path between two distances (mm) on a canvas of this size in CSS pixels; returns the left and
-    /// right border of the plotting area in such pixels.
+    /// Draws the loads between two distances (mm) on a canvas of this size in CSS pixels; returns the left
+    /// and right border of the plotting area in CSS pixels.
     #[allow(clippy::too_many_arguments)] // JavaScript has no tuples
     pub fn draw(
         &self,

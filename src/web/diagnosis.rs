@@ -87,7 +87,8 @@ impl RunCollection {
         if self.aligned.is_empty() {
             return Ok(None);
         }
-        // The operator's actions are to be found, whether or not a switch was recorded.
+        // Recorded switches are ignored, so that the diagnosis finds the operator's actions with or without
+        // them.
         let runs: Vec<Run> = self.aligned.iter().map(AlignedRun::run_ignoring_overrides).collect();
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
         let diagnosis = diagnose(&self.machine, &runs, &mut tell);
@@ -106,7 +107,7 @@ impl RunCollection {
 }
 
 /// Returns the cycle time (s) of a program on the machine of a filled form, at the tolerances of the program,
-/// and the machine's where it sets none; throws the faults of the form.
+/// or that of the machine where the program sets none; throws the faults of the form.
 #[wasm_bindgen(js_name = cycleTime)]
 pub fn cycle_time(program: &[u8], machine: &str, dialect: Option<String>) -> Result<f64, String> {
     let machine = machine_from_form(machine)

@@ -1,4 +1,4 @@
-//! Files to save: charts as SVG, the machine, the settings; and the content of such files.
+//! Files that the page saves, and reading them: charts as SVG, the machine, the settings.
 
 use wasm_bindgen::prelude::*;
 

@@ -28,7 +28,7 @@ pub fn quote_text(program: ProgramText, request: &str, progress: &Function) -> R
     let toolpath = trace_text(program.bytes, &Options { dialect, ..Options::default() }, &machine);
     let of = tolerances.len() as f64;
     let quotes = tolerances.iter().enumerate().map(|(index, &tolerance)| {
-        // An exception of a listener does not concern the computation.
+        // An exception of a listener does not stop the computation.
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &((index as f64 + part) / of).into()));
         tell(0.0);
         let (plan, errors) = simulate::within(&toolpath, &machine, tolerance, &mut tell);

@@ -27,8 +27,9 @@ pub struct Job {
 
 #[wasm_bindgen]
 impl Job {
-    /// Reads a program for a machine given as a filled form, in the dialect of this keyword or in the one
-    /// that the program shows; undefined if that needs the whole module. Throws the form's faults as JSON.
+    /// Reads a program for a machine given as a filled form, in the dialect of this keyword, or in the
+    /// dialect detected from the program; undefined if that needs the whole module. Throws the form's faults
+    /// as JSON.
     pub fn of(program: ProgramText, machine: &str, dialect: Option<String>) -> Result<Option<Job>, String> {
         let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
         let options = Options::from_words(&dialect.unwrap_or_default());
@@ -36,7 +37,7 @@ impl Job {
         Ok(toolpath.map(|toolpath| Job { machine, toolpath }))
     }
 
-    /// Returns a prediction without runs: everything known before a simulation.
+    /// Returns a prediction without runs, with everything that is known before a simulation.
     pub fn summary(&self) -> Result<JsValue, JsError> {
         object(&Prediction::new("", &self.toolpath, self.programmed_time(), &[]))
     }
@@ -58,18 +59,19 @@ impl Job {
         object(&held.iter().map(ToleranceRangeRow::from).collect::<Vec<_>>())
     }
 
-    /// Returns the cycle time (s) at a contour tolerance (mm), or at the program's if none is given.
+    /// Returns the cycle time (s) at a contour tolerance (mm), or at the tolerances of the program if none is
+    /// given.
     #[wasm_bindgen(js_name = cycleTime)]
     pub fn cycle_time(&self, tolerance: Option<f64>) -> f64 {
         let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
         simulate::cycle_time_within(&self.toolpath, &self.machine, tolerances, &mut |_| {})
     }
 
-    /// Simulates the program at a contour tolerance (mm), or at its own if none is given; calls `progress`
-    /// with the completed fraction, 0 to 1.
+    /// Simulates the program at a contour tolerance (mm), or at the tolerances of the program if none is
+    /// given; calls `progress` with the completed fraction, 0 to 1.
     pub fn simulate(&self, tolerance: Option<f64>, progress: &Function) -> Result<SimulationResult, JsError> {
         let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
-        // An exception of a listener does not concern the computation.
+        // An exception of a listener does not stop the computation.
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
         let (plan, errors) = simulate::within(&self.toolpath, &self.machine, tolerances, &mut tell);
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerances, &errors);
@@ -99,7 +101,7 @@ impl Job {
     }
 }
 
-/// Returns a result as the object that its JSON describes.
+/// Returns a result as a JavaScript object with the fields of its JSON.
 pub(super) fn object(result: &impl Serialize) -> Result<JsValue, JsError> {
     Ok(result.serialize(&Serializer::json_compatible())?)
 }
@@ -111,7 +113,7 @@ pub struct SimulationResult {
     pub summary: JsValue,
     /// The profile.
     pub columns: ProfileColumns,
-    /// Sentence on what the profile leaves out; undefined if it is complete.
+    /// Sentence on the features that the profile leaves out; undefined if it is complete.
     pub note: Option<String>,
 }
 
@@ -135,7 +137,7 @@ pub struct ProfileColumns {
     /// Ends of the steps of feedrate that colour the path, mm.
     #[wasm_bindgen(js_name = paceEnd)]
     pub pace_end: Vec<f64>,
-    /// Feedrate of each step, mm/s.
+    /// Feedrate of each step that colours the path, mm/s.
     #[wasm_bindgen(js_name = paceFeedrate)]
     pub pace_feedrate: Vec<f64>,
 }

@@ -33,7 +33,7 @@ impl JobHandle {
         self.report.to_csv()
     }
 
-    /// Returns the costing for the house as an HTML document, with charts in SVG and a caption each.
+    /// Returns the costing for the house as an HTML document, with charts as SVG, each with a caption.
     pub fn costing(&self, charts: Vec<String>, captions: Vec<String>) -> String {
         self.report.to_costing(&charts.into_iter().zip(captions).collect::<Vec<_>>())
     }
@@ -43,7 +43,7 @@ impl JobHandle {
         self.report.to_offer()
     }
 
-    /// Returns the result for sharing as an HTML document, with pictures in SVG and a caption each.
+    /// Returns the result for sharing as an HTML document, with pictures as SVG, each with a caption.
     pub fn result(&self, pictures: Vec<String>, captions: Vec<String>) -> String {
         self.report.to_result(&pictures.into_iter().zip(captions).collect::<Vec<_>>())
     }
@@ -74,8 +74,8 @@ pub fn program_title(head: &[u8]) -> Option<String> {
     title(head)
 }
 
-/// Returns `true` if a text that may be a program holds blocks, by its head; other texts are beside programs in
-/// folders and archives.
+/// Returns `true` if the head of a text that may be a program contains blocks; folders and archives contain
+/// other texts as well.
 #[wasm_bindgen(js_name = holdsBlocks)]
 pub fn holds_blocks(head: &[u8]) -> bool {
     project::holds_blocks(head)
@@ -89,7 +89,7 @@ pub struct UnpackedArchive {
 
 #[wasm_bindgen(js_class = Archived)]
 impl UnpackedArchive {
-    /// Unpacks an archive; throws the reason if it cannot.
+    /// Unpacks an archive; throws the reason if that fails.
     #[wasm_bindgen(constructor)]
     pub fn new(bytes: &[u8]) -> Result<UnpackedArchive, String> {
         archived(bytes).map(|files| UnpackedArchive { files }).map_err(|error| error.to_string())

@@ -14,7 +14,7 @@ pub struct LawPicture(LawChart);
 
 #[wasm_bindgen]
 impl LawPicture {
-    /// Returns the chart of a law of a report, as JSON; throws if it is none.
+    /// Returns the chart of a law of a report, given as JSON; throws if the text is not a law.
     #[wasm_bindgen(constructor)]
     pub fn new(law: &str) -> Result<LawPicture, String> {
         law_chart(law).map(LawPicture).ok_or_else(|| "not a law of a report".to_string())

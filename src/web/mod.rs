@@ -1,13 +1,13 @@
-//! The boundary to JavaScript: one job that simulates, one chart that draws, one set of runs that calibrates and
+//! The boundary to JavaScript: a job that simulates, a chart that draws, a set of runs that calibrates and
 //! diagnoses.
 //!
 //! The worker holds a [`Job`] and answers with summaries and columns; the page holds a [`Chart`] and forwards
-//! pixels. Input is JSON text, which refuses unknown fields, and numbers; output is the types of [`project`]:
-//! results as objects, and columns as typed arrays with a buffer each, so that they can be transferred.
-//! JavaScript does no arithmetic of units or scales.
+//! pixels. Input consists of JSON text, in which unknown fields are refused, and of numbers. Output consists
+//! of the types of [`project`]: results as objects, and columns as typed arrays, each with its own buffer, so
+//! that they can be transferred. JavaScript does not convert units or scales.
 //!
-//! Two modules are built from it: the whole, and with `--cfg first_visit` the part that the first chart
-//! needs. The page requests everything else from the whole module, which it fetches meanwhile.
+//! Two WebAssembly modules are built from this code: the whole, and with `--cfg first_visit` the part that
+//! the first chart needs. Meanwhile the page fetches the whole module, which does everything else.
 
 #![deny(clippy::unwrap_used)]
 
@@ -66,8 +66,9 @@ fn path_of(program: Vec<u8>, options: &Options, machine: &Machine) -> Option<Too
     Some(interpreter::trace_text(program, options, machine))
 }
 
-/// Returns the path of a program of plain words without jumps, as most are; `None` for programs that jump,
-/// call or compute, for Siemens' and Heidenhain's, and for splines, which need the whole module.
+/// Returns the path of a program of plain words without jumps, as most programs are; `None` for programs that
+/// jump, call or compute, for programs of Siemens and Heidenhain, and for splines, which need the whole
+/// module.
 #[cfg(first_visit)]
 fn path_of(program: Vec<u8>, options: &Options, machine: &Machine) -> Option<Toolpath> {
     interpreter::trace_plain(&program, options, machine, interpreter::LINES_PER_PART)
@@ -103,7 +104,7 @@ pub fn faults(machine: &str) -> String {
     faults_to_json(&machine_from_form(machine).err().unwrap_or_default())
 }
 
-/// Returns a filled machine form after an edit of one field, all as JSON; undefined if it is no JSON.
+/// Returns a filled machine form after an edit of one field, all as JSON; undefined if the text is not JSON.
 #[wasm_bindgen]
 pub fn edited(machine: &str, key: &str, value: &str) -> Option<String> {
     project::edited(machine, key, value)
@@ -128,7 +129,7 @@ pub fn usual_tolerances() -> Vec<f64> {
     USUAL_TOLERANCES_MM.to_vec()
 }
 
-/// Returns the tolerance (mm) that a text names; throws the reason as a string if it names none.
+/// Returns the tolerance (mm) in a text; throws the reason as a string if the text is not a tolerance.
 #[wasm_bindgen(js_name = toleranceFromText)]
 pub fn tolerance_from(text: &str) -> Result<f64, String> {
     tolerance_from_text(text).map_err(|error| error.to_string())

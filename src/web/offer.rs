@@ -29,7 +29,7 @@ impl OfferHandle {
         self.report.to_csv()
     }
 
-    /// Returns the costing as an HTML document, with charts in SVG and a caption each.
+    /// Returns the costing as an HTML document, with charts as SVG, each with a caption.
     pub fn html(&self, charts: Vec<String>, captions: Vec<String>) -> String {
         self.report.to_html(&charts.into_iter().zip(captions).collect::<Vec<_>>())
     }

@@ -9,7 +9,7 @@ use crate::web::chart::Chart;
 
 #[wasm_bindgen]
 impl Chart {
-    /// Draws the whole, without axes, on a canvas of this size in CSS pixels.
+    /// Draws the whole path, without axes, on a canvas of this size in CSS pixels.
     #[wasm_bindgen(js_name = drawOverview)]
     pub fn draw_overview(
         &self,
@@ -22,13 +22,13 @@ impl Chart {
         draw_overview(self.shown(), &self.theme(), ratio, backend).map_err(|error| error.to_string())
     }
 
-    /// Returns the beginning and end of the view as parts of the whole.
+    /// Returns the beginning and end of the view as parts of the whole path.
     pub fn part(&self) -> Vec<f64> {
         let (low, high) = self.whole().distance;
         [self.view.distance.0, self.view.distance.1].map(|at| (at - low) / (high - low)).to_vec()
     }
 
-    /// Shows the range between two parts of the whole.
+    /// Shows the range between two parts of the whole path.
     #[wasm_bindgen(js_name = showPart)]
     pub fn show_part(&mut self, from: f64, to: f64) {
         let whole = self.whole();

@@ -1,4 +1,4 @@
-//! The path on its canvas: it keeps trail, shades and camera, and draws pixels.
+//! The path on its canvas, with its trail, its shades and its camera.
 //!
 //! All pixels at the interface are CSS pixels from the canvas' top left corner.
 
@@ -10,8 +10,9 @@ use crate::plot::Programmed;
 use crate::plot::path::{self, Camera, Coloring, Drawing, Light, Raster, Scene, Sheet, SteppedCurve, Trail};
 use crate::units::mm_per_min;
 
-/// Width of lines and length of dashes, CSS pixels.
+/// Width of lines, CSS pixels.
 const LINE_WIDTH_PX: f64 = 2.0;
+/// Length of dashes, CSS pixels.
 const DASH_LENGTH_PX: f64 = 5.0;
 /// Largest distance of the pointer from a line that it selects, CSS pixels.
 const POINTER_REACH_PX: f64 = 8.0;
@@ -23,7 +24,7 @@ const OBLIQUE_PITCH_RAD: f64 = 0.615_479_708_670_387_3;
 /// The meaning of the colours of the path.
 #[wasm_bindgen(getter_with_clone)]
 pub struct Legend {
-    /// Colours as CSS writes them, from the best to the worst.
+    /// Colours in the notation of CSS, from the best to the worst.
     pub colors: Vec<String>,
     /// Values of the first and the last colour, in the unit.
     pub ends: Vec<f64>,
@@ -45,7 +46,7 @@ pub struct PathView {
     camera: Camera,
     dark: bool,
     marked: Option<(f64, f64)>,
-    /// Distance up to which the program has run, mm; `None` for all of it.
+    /// Distance up to which the program has run, mm; `None` for the whole program.
     run: Option<f64>,
     raster: Raster,
     /// The drawing of the pixels; `None` if they show another scene.
@@ -162,7 +163,7 @@ impl PathView {
         let pen = (LINE_WIDTH_PX * ratio).round().max(1.0) as usize;
         let camera = self.camera.resized(ratio);
         let drawing = Drawing { camera, pen, dash: (DASH_LENGTH_PX * ratio) as f32, marked: self.marked };
-        // A running program changes only its colours.
+        // While a program runs, only colours change.
         if self.drawn != Some(drawing) {
             path::raster(&self.scene, &drawing, &mut self.raster);
             self.drawn = Some(drawing);
@@ -202,7 +203,7 @@ impl PathView {
         )
     }
 
-    /// Keeps the middle in its place in a picture of another size.
+    /// Sets the size of the picture; its middle shows the same position as before.
     pub fn resize(&mut self, width: f64, height: f64) {
         self.camera.size = (width, height);
     }
@@ -267,7 +268,7 @@ impl PathView {
         (0..3).flat_map(|k| [right[k], -up[k]]).collect()
     }
 
-    /// Returns a round length, mm, and its number of pixels.
+    /// Returns a round length for a scale bar, mm, and its number of pixels.
     pub fn scale(&self) -> Vec<f64> {
         let length = self.camera.round_length();
         vec![length, length * self.camera.scale]

@@ -25,7 +25,7 @@ impl PathView {
     }
 
     /// Returns the range of the path on which a line of the program first runs: from and to, mm; for a line
-    /// without a move, that of the next line with one. Empty if there is none.
+    /// without a move, the range of the next line with a move. Empty if there is none.
     #[wasm_bindgen(js_name = stretchOf)]
     pub fn stretch_of(&self, line: u32) -> Vec<f64> {
         let Programmed { end, line: lines, .. } = &self.programmed;
@@ -40,8 +40,9 @@ impl PathView {
     }
 }
 
-/// Returns the value of one column where another, ascending, has a value, linear between two rows. The
-/// columns are not copied, as those of a long program take most of the memory.
+/// Returns the value of the column `of` at the place where the ascending `column` has the value `value`,
+/// linear between two rows. The columns are not copied, because those of a long program take most of the
+/// memory.
 #[wasm_bindgen]
 pub fn between(column: &Float64Array, of: &Float64Array, value: f64) -> f64 {
     let (mut low, mut high) = (0, column.length().saturating_sub(1));

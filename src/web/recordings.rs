@@ -27,7 +27,7 @@ fn recorded(
         .map_err(|error| ComparisonRefusal::from(&error))
 }
 
-/// A recording beside the simulation.
+/// The comparison of a recording with the simulation.
 #[wasm_bindgen(getter_with_clone, js_name = Matched)]
 pub struct ComparisonResult {
     /// Comparison as an object; undefined if it is refused.
@@ -69,7 +69,7 @@ pub struct ComparisonColumns {
 }
 
 /// Compares a recording with the simulation of a program on the machine of a filled form, at the tolerances
-/// of the program, and the machine's where it sets none; throws the form's faults as JSON.
+/// of the program, or that of the machine where the program sets none; throws the form's faults as JSON.
 #[wasm_bindgen(js_name = compareRecording)]
 pub fn compare_recording(
     program: &[u8],
@@ -131,7 +131,7 @@ impl RunCollection {
         Ok(RunCollection { machine, names: Vec::new(), aligned: Vec::new() })
     }
 
-    /// Adds a run under a name; returns `true` if it could be compared.
+    /// Adds a run with a name; returns `true` if the run could be compared.
     pub fn add(&mut self, name: String, program: &[u8], dialect: Option<String>, recording: &[u8]) -> bool {
         let Ok(aligned) = recorded(program, dialect, recording, &self.machine) else { return false };
         self.names.push(name);

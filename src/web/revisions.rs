@@ -27,7 +27,7 @@ pub struct RevisionsResult {
 pub struct DelayColumns {
     /// Distances along the path of the second.
     pub distance: Vec<f64>,
-    /// Delay there.
+    /// Delay at each distance.
     pub later: Vec<f64>,
 }
 

@@ -1,4 +1,5 @@
-//! The text of a program that arrives from a file piece by piece: only this module holds the whole.
+//! The text of a program that arrives from a file piece by piece; only the WebAssembly module holds the whole
+//! text.
 
 use wasm_bindgen::prelude::*;
 

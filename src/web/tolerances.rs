@@ -25,7 +25,7 @@ pub struct TolerancePicture {
 
 #[wasm_bindgen]
 impl TolerancePicture {
-    /// Returns a chart of the programmed time (s) alone.
+    /// Returns a chart with only the programmed time (s).
     #[wasm_bindgen(constructor)]
     pub fn new(programmed: f64) -> TolerancePicture {
         let chart = ToleranceChart { programmed, ..ToleranceChart::default() };
@@ -80,7 +80,7 @@ impl TolerancePicture {
             .collect()
     }
 
-    /// Returns the cycle time (s) at a tolerance (mm) on each line; NaN outside it.
+    /// Returns the cycle time (s) at a tolerance (mm) on each line; NaN outside the line.
     pub fn times(&self, tolerance: f64) -> Vec<f64> {
         self.chart.curves.iter().map(|curve| curve.at(tolerance).unwrap_or(f64::NAN)).collect()
     }

@@ -46,7 +46,7 @@ pub fn by_lines(
         check_lengths(feed, followed.poll, marks, visited, &visits, toolpath, distance_of)?;
     }
     let mut marks = followed.marks;
-    // The first named line is taken as current, wherever the file begins.
+    // The first recorded line counts as the line being run, wherever the file begins.
     if has_start && followed.first == 0 {
         let deviation = followed.poll / 12.0f64.sqrt();
         marks.insert(0, Mark { place: ProgramPlace::Start, time: run.start, deviation });
@@ -80,8 +80,8 @@ fn durations(toolpath: &Toolpath, machine: &Machine, visits: &[Visit]) -> Vec<f6
     begins.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
-/// Returns the recording with a unit for its feed. Only lines that cut count: other motion of the machine is
-/// not in the program.
+/// Returns the recording with the unit of its feed determined. Only lines that cut are compared: other motion
+/// of the machine is not in the program.
 fn settle_feed(recording: &Recording, toolpath: &Toolpath) -> Result<Recording, AlignmentError> {
     if recording.feed.is_none() {
         return Ok(recording.clone());

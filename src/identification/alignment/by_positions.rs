@@ -1,12 +1,13 @@
 //! A recording with positions → its alignment.
 //!
-//! Positions may be in machine coordinates; if they are beside the path as a whole, and both have one size,
-//! the difference is taken as the zero point and reported. Marks are evenly spaced in time while the tool
-//! moves. Near a corner the tool cuts off a part of the path, and the projection of its position jumps over
-//! it: by 2 (1 − cos φ) of the deviation there at most, which is added to the uncertainty of the marks there.
-//! The deviation is that at which the tool was seen to pass, so that a stop at a corner is known as well as one
-//! anywhere else, and no more than the tolerance or half of the shorter leg. So near to a stop of the program that noise
-//! decides on which side of it a sample lies there is no mark: its time would be off by all of the wait.
+//! Positions may be in machine coordinates. If all of them are off the path, and their extent equals that of
+//! the path, the difference is taken as the zero point and reported. Marks are evenly spaced in time while
+//! the tool moves. Near a corner the tool cuts off a part of the path, and the projection of its position
+//! jumps over that part: at most by 2 (1 − cos φ) times the deviation at the corner, where φ is the turn. The
+//! jump is added to the uncertainty of the marks near the corner. The deviation is the distance at which the
+//! recorded tool passed the corner, at most the tolerance or half of the shorter leg; a stop at a corner is
+//! therefore known as well as one elsewhere. If a sample is so near to a stop of the program that noise
+//! decides on which side it lies, there is no mark: its time could be off by the whole wait.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -28,18 +29,19 @@ use crate::simulation::toolpath::{Point, Toolpath, Vector, distance_from_chord};
 
 /// Least part of the recording, or of the path, that a pass must make up.
 const MIN_PASS_SHARE: f64 = 0.5;
-/// Most shifts that are tried, and number of improvements of each.
+/// Most shifts that are tried, and most improvements of each.
 const MAX_SHIFTS: usize = 3;
 const REFINEMENTS: usize = 3;
 /// Largest ratio of the recorded length and the length along the path, or its inverse.
 const MAX_LENGTH_RATIO: f64 = 1.25;
 /// Deviation of a control that blends as widely as its speed requires, mm: a corner of 90° between two legs
-/// at 3000 mm/min is rounded by this at some 500 mm/s².
+/// at 3000 mm/min is rounded by this at about 500 mm/s².
 const WIDE_BLEND_MM: f64 = 1.0;
-/// Distance from the ends of a line at which a sample counts, in deviations; least number of such samples;
-/// least part of them on the line.
+/// Least distance of a sample from the ends of a line at which it counts, in deviations.
 const MIN_END_DISTANCE_RATIO: f64 = 4.0;
+/// Least number of such samples.
 const MIN_ON_LINES: usize = 20;
+/// Least part of such samples that lie on their line.
 const MIN_ON_LINES_RATIO: f64 = 0.95;
 /// Most marks per run.
 const MAX_MARKS: usize = 4000;
@@ -124,7 +126,8 @@ fn within(
     let path = Path::new(toolpath, recorded);
     let mut remarks = Vec::new();
     let mut settled = recording.clone();
-    // The length of a partial recording cannot match; only a unit that no file states must be determined.
+    // The length of a partial recording does not match that of the path, so that only a missing unit is
+    // determined by it.
     match check_unit_by(Measure::Positions, recording, path.recorded_length()) {
         Ok(closure) => settled = settled.settled(&closure),
         Err(error) if is_of_units(&error) => return Err(error.into()),
@@ -189,7 +192,7 @@ fn within(
     checked(alignment)
 }
 
-/// A track in the program's coordinates, on the path.
+/// A track in the program's coordinates, matched with the path.
 struct PlacedTrack {
     track: Track,
     /// Shift subtracted from its positions, mm.
@@ -204,7 +207,7 @@ impl PlacedTrack {
         Ok(PlacedTrack { track, shift, matched })
     }
 
-    /// Returns `true` if this is most of the recording, or of the path, and most of the samples in between
+    /// Returns `true` if the track makes up most of the recording, or of the path, and most of its samples
     /// are on the path.
     fn is_accepted(&self, path: &Path) -> bool {
         self.matched.is_on_path() && MIN_PASS_SHARE <= self.matched.part(path.recorded_length())
@@ -224,7 +227,7 @@ impl PlacedTrack {
                 sum += across * away;
             }
         }
-        // An axis along which all of the path runs has no offset across it.
+        // Along an axis in whose direction the whole path runs, no offset is determined.
         let stiffness = 1e-3 * self.matched.fixes.len().max(1) as f64;
         (normal + Matrix3::identity() * stiffness)
             .try_inverse()
@@ -232,7 +235,8 @@ impl PlacedTrack {
     }
 }
 
-/// Returns the track on the path without a shift, or else shifted as by a zero point to where most of it fits.
+/// Returns the track matched with the path without a shift, or else with the shift of the zero point at which
+/// most of it fits.
 fn laid(track: Track, path: &Path, tolerance: f64) -> Result<PlacedTrack, AlignmentError> {
     let as_is = match PlacedTrack::new(&track, Vector::zeros(), path, tolerance) {
         Ok(laid) if laid.is_accepted(path) => return Ok(laid),
@@ -259,7 +263,7 @@ fn laid(track: Track, path: &Path, tolerance: f64) -> Result<PlacedTrack, Alignm
     Err(AlignmentError::OffPath { part: 100.0 * part, hint: None })
 }
 
-/// Returns the track shifted by about `shift` (mm), which is improved until it changes little.
+/// Returns the track shifted by about `shift` (mm); the shift is improved until it changes little.
 fn refined(track: &Track, shift: Vector, path: &Path, tolerance: f64, scale: f64) -> Option<PlacedTrack> {
     let mut laid = PlacedTrack::new(track, shift, path, tolerance).ok()?;
     for _ in 0..REFINEMENTS {
@@ -286,7 +290,7 @@ fn marks_of_fixes(fixes: &[Fix], track: &Track, corners: &[CuttableCorner], stop
         if marks.last().is_some_and(|mark| fix.time - mark.time < spacing) {
             continue;
         }
-        // Beside a rest the tool moved on one side alone.
+        // Next to a rest the tool moves on one side only.
         let between = |from: &Fix, to: &Fix| (to.distance - from.distance) / (to.time - from.time);
         let feedrate = between(before, fix).max(between(fix, after));
         let away = MIN_DISPLACEMENT_SIGMAS * track.noise;
@@ -319,7 +323,7 @@ struct AllowedDeviation {
 struct CuttableCorner {
     /// Distance along the path, mm.
     distance: f64,
-    /// The corner itself.
+    /// Place of the corner.
     point: Point,
     /// Jump of the projection onto the path there, as a multiple of the deviation.
     turn: f64,
@@ -338,7 +342,8 @@ struct CutCorner {
 }
 
 impl CuttableCorner {
-    /// Returns the corner as the tool was seen to pass it: between two fixes it may have been closer, and no farther away.
+    /// Returns the corner with the deviation at which the recorded tool passed it: between two fixes the tool
+    /// may have been closer, but no farther away.
     fn as_passed(&self, fixes: &[Fix], track: &Track) -> CutCorner {
         let next = fixes.partition_point(|fix| fix.distance < self.distance);
         let seen = |fix: Option<&Fix>| fix.and_then(|fix| fix.sample).map(|sample| track.position[sample]);

@@ -1,14 +1,14 @@
 //! Recorded feed alone → marks at the stops of the program.
 //!
-//! The integral of the feed is the travelled length, except for an error that grows with it; a recorded stop
-//! is therefore expected near a stop of the program,
+//! The integral of the feed is the travelled length, except for an error that grows with the length. A
+//! recorded stop is therefore expected near a stop of the program,
 //!
 //! ```text
 //! |∫ v dt − (way from the last anchor)| ≤ 3 % of it + 1 mm
 //! ```
 //!
-//! and is then the next anchor. Between anchors the length is scaled to match, never the time. A stop
-//! recorded where the program has none is a pause without length.
+//! and becomes the next anchor, from which the integral continues. Between anchors the length is scaled to
+//! match, never the time. A recorded stop where the program has none is a pause without length.
 
 use crate::identification::alignment::place::ProgramPlace;
 use crate::identification::alignment::{AlignmentError, Fix, Mark};
@@ -28,11 +28,11 @@ const MIN_PART_OF_STOPS: f64 = 0.7;
 pub struct FeedMatch {
     /// Ends and beginnings of motion at stops of the program.
     pub marks: Vec<Mark>,
-    /// Distances of the tool over time.
+    /// Distances of the tool along the path over time.
     pub fixes: Vec<Fix>,
     /// Typical time between samples, s.
     pub interval: f64,
-    /// Stops found, as a part of the program's.
+    /// Number of stops found, as a part of those of the program.
     pub found: f64,
 }
 
@@ -60,7 +60,7 @@ pub fn follow(feed: &Channel<f64>, stretches: &[ProgramMotion]) -> Result<FeedMa
     let deviation = interval / 12.0f64.sqrt();
     let (mut marks, mut fixes) = (Vec::new(), Vec::new());
     let mut found = 0;
-    // A pause splits a motion: its parts are added up to the whole.
+    // A pause splits a motion, whose parts are added up.
     let mut parts = moving.iter();
     for stretch in stretches {
         let wanted = stretch.to - stretch.from;

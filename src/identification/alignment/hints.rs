@@ -7,8 +7,8 @@ use crate::identification::alignment::path::Path;
 use crate::machine::AXES;
 use crate::simulation::toolpath::{Toolpath, Vector};
 
-/// Returns the offset of recorded positions from the path, mm, if both have one size; `None` if they do not,
-/// or if they coincide.
+/// Returns the offset of recorded positions from the path, mm, if both have the same extent; `None` if the
+/// extents differ in size, or if they coincide.
 pub fn extents_differ_by(track: &Track, path: &Path) -> Option<Vector> {
     let programmed = path.extent()?;
     let recorded = extent(track);

@@ -1,21 +1,22 @@
 //! Comparison of travelled lengths with the lengths of lines.
 //!
 //! The integral of the recorded feed between two line numbers is the length of the program between them, to
-//! within a poll at either end. On lines that cut, machines move nowhere else, whatever the override.
+//! within the length of a poll at either end. On lines that cut, a machine runs the programmed path and
+//! nothing else, whatever the override.
 
 use crate::identification::alignment::place::{ProgramPlace, Visit};
 use crate::identification::alignment::{AlignmentError, Mark};
 use crate::identification::recording::{Channel, ChannelUnit};
 use crate::simulation::toolpath::{Motion, Toolpath};
 
-/// Least length that is compared, in lengths of a poll.
+/// Least length that is compared, in multiples of the length run in one poll.
 const RESOLVED_POLLS: f64 = 5.0;
-/// Largest error of a control's display of the feed, as a part.
+/// Largest relative error of a control's display of the feed.
 const MAX_DISPLAY_ERROR: f64 = 0.02;
 /// Least part of the compared length that must be right.
 const MIN_AGREEMENT: f64 = 0.5;
 
-/// Compares lengths on lines that cut; `visits` are those of the marks, by index in `all`.
+/// Compares lengths on lines that cut; `visits` holds the visit of each mark, as an index of `all`.
 ///
 /// # Errors
 ///

@@ -1,20 +1,22 @@
 //! Recorded line numbers → marks at the visits of the program.
 //!
-//! A control whose line is polled skips short blocks: the lines it names are a subsequence of the visits.
-//! Each named line is the next visit of that line, so that loops and subprograms are followed in order. A
-//! visible visit began within the last poll, and not longer ago than it lasts:
+//! Polling skips short blocks: the recorded lines are a subsequence of the visits. Each recorded line is
+//! matched with the next visit of that line, so that loops and subprograms are followed in order. A recorded
+//! visit began within the last poll, and no longer ago than it lasts:
 //!
 //! ```text
 //! begin = stamp − w/2 ± w/√12,    w = min(p, d)      p: time between polls, d: of the visit, s
 //! ```
 //!
 //! where p is the median time between all stamps of line and feed, which are polled together, and d the
-//! duration on the assumed machine. Using p for all would make every long block after short ones too short.
+//! duration on the assumed machine. With w = p for every visit, every long block after short ones would be
+//! too short.
 //!
-//! Some controls count from 0, or name the line before; the offset that fits most visits is used.
+//! Some controls count lines from 0, or record the line before the current one; the offset that fits most
+//! visits is used.
 //!
-//! Between the marks the distance is the integral of the feed, scaled to match the next mark; it is only for
-//! charts.
+//! Between the marks the distance is the integral of the feed, scaled to match the next mark; only charts use
+//! it.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -28,10 +30,10 @@ use crate::identification::recording::{Channel, Recording, Sampling};
 const LINE_OFFSETS: [i64; 5] = [0, 1, -1, 2, -2];
 /// Least uncertainty of a stamp, s: controls update their display in steps.
 const MIN_STAMP_DEVIATION_S: f64 = 0.005;
-/// Least part of the named lines that move or wait that must be in order.
+/// Least part of the recorded lines with motion or a wait that must be in order.
 const MIN_PART_IN_ORDER: f64 = 0.9;
 
-/// Most lines without effect at the end of a program.
+/// Largest number of lines without effect after the last visit that still belong to the program.
 const MAX_LINES_BEHIND_END: i64 = 10;
 
 /// The alignment by line numbers.
@@ -40,18 +42,18 @@ pub struct LineMatch {
     pub marks: Vec<Mark>,
     /// Visit of each mark.
     pub visits: Vec<usize>,
-    /// Named lines that are visits in order, as a part of all that are visits.
+    /// Recorded lines in the order of the visits, as a part of all recorded lines that have visits.
     pub in_order: f64,
     /// Time between polls, s.
     pub poll: f64,
-    /// Visit named first.
+    /// Visit of the first recorded line.
     pub first: usize,
     /// Offset added to the recorded numbers.
     pub count: i64,
 }
 
-/// Returns the marks of a recording by its line numbers, within the `run` (s); `durations` are those of the
-/// visits on the assumed machine, s.
+/// Returns the marks of a recording by its line numbers, within `run` (s); `durations` (s) are the durations
+/// of the visits on the assumed machine.
 ///
 /// # Errors
 ///
@@ -69,7 +71,7 @@ pub fn follow(
         places.entry(i64::from(visit.line.0)).or_default().push(index);
     }
     let tried = LINE_OFFSETS.map(|count| in_order(&line, &places, count));
-    // The first of the best: offsets that fit equally well cannot be distinguished.
+    // The first of the best offsets: offsets that fit equally well cannot be distinguished.
     let mut best = 0;
     for at in 1..tried.len() {
         if tried[best].len() < tried[at].len() {
@@ -77,7 +79,7 @@ pub fn follow(
         }
     }
     let count = LINE_OFFSETS[best];
-    // Lines behind the end of the program do not belong to it; those between that do nothing do.
+    // Lines behind the end of the program do not belong to it; lines without effect between its blocks do.
     let end = visits.iter().map(|visit| i64::from(visit.line.0)).max().unwrap_or(0) + MAX_LINES_BEHIND_END;
     let known = line.values.iter().map(|value| i64::from(*value) + count);
     let known = known.filter(|value| places.contains_key(value) || end < *value);
@@ -88,7 +90,7 @@ pub fn follow(
     let mut marks = Vec::new();
     let mut named = Vec::new();
     for &(event, visit) in &tried[best] {
-        // The line that holds at the start of the run began at an unknown time.
+        // The line that is current at the start of the run began at an unknown time.
         if event == 0 {
             continue;
         }
@@ -101,7 +103,7 @@ pub fn follow(
     Ok(LineMatch { marks, visits: named, in_order, first, count, poll })
 }
 
-/// Returns the events that name a visit later than those before, with that visit.
+/// Returns the events whose line has a visit later than those before, each with that visit.
 fn in_order(line: &Channel<u32>, places: &HashMap<i64, Vec<usize>>, count: i64) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut next = 0;

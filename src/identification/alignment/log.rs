@@ -6,11 +6,12 @@ use crate::identification::recording::Log;
 use crate::machine::Machine;
 use crate::simulation::toolpath::Toolpath;
 
-/// Aligns a log with a program: returns which of its recordings covers most of the program, and how.
+/// Aligns a log with a program: returns the index of the recording that covers most of the program, and its
+/// alignment.
 ///
 /// # Errors
 ///
-/// If none of its recordings fits: why the first does not.
+/// Returns the error of the first recording if none of them fits.
 ///
 /// # Examples
 ///

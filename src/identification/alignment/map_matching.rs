@@ -1,23 +1,25 @@
 //! Recorded positions → distance along the path over time.
 //!
 //! The tool never moves back along its path, and between two samples it moves along the path by about its
-//! displacement. Of all tracks through the places near each sample the one with the least cost is chosen,
+//! displacement. Of all tracks through the places near each sample the search finds the one with the least
+//! cost,
 //!
 //! ```text
 //! Σ ρ(d / σ_d) + ρ((Δs − |Δp|) / σ_s),    ρ(x) = x² for x ≤ 3, then 6 x − 9
 //! ```
 //!
-//! with d (mm) the distance from the path, Δs ≥ 0 (mm) the length along the path and |Δp| (mm) the
-//! displacement between the samples. A sample may also be off the path, at a fixed cost: machines move to
-//! their tool changer. The search (a Viterbi algorithm) keeps the few cheapest tracks from sample to sample,
-//! each with a short look-ahead, so that its cost is linear and a path that crosses or retraces itself is
-//! followed in order: the nearest point alone would jump. Time is never stretched.
+//! with d (mm) the distance from the path, σ_d and σ_s (mm) the standard deviations, Δs ≥ 0 (mm) the length
+//! along the path and |Δp| (mm) the displacement between the samples. A sample may also be off the path, at a
+//! fixed cost: machines move to their tool changer. The search (a Viterbi algorithm) keeps the few cheapest
+//! tracks from sample to sample, each with a short look-ahead. Its time is therefore linear, and it follows a
+//! path that crosses or retraces itself in order, where the nearest point alone would jump. Time is never
+//! stretched.
 //!
-//! At the end of the path, and off it, a track may also begin again: a recording of several passes is divided
-//! there, and the moves before and after a run are separated.
+//! At the end of the path, and off the path, a track may also restart: this divides a recording of several
+//! passes, and separates the moves before and after a run.
 //!
-//! A sample counts once the tool has moved by several standard deviations of the noise since the last
-//! one that did. Source: map matching by hidden Markov models, Newson and Krumm 2009.
+//! A sample is used once the tool has moved by several standard deviations of the noise since the last one
+//! used. Source: map matching by hidden Markov models, Newson and Krumm 2009.
 
 use crate::identification::alignment::path::{Path, Projection};
 use crate::identification::alignment::{AlignmentError, Fix};
@@ -26,19 +28,19 @@ use crate::simulation::ordered::sort_by_number;
 use crate::simulation::sampled::rows_around;
 use crate::simulation::toolpath::{Point, Vector};
 
-/// Tracks kept from sample to sample.
+/// Most tracks kept from sample to sample.
 const MAX_TRACKS: usize = 6;
-/// Tracks kept at the beginning, when the place is unknown.
+/// Most tracks kept at the beginning, when the place is unknown.
 const MAX_FIRST_TRACKS: usize = 64;
-/// Cost of a sample off the path, and so the largest cost of one on it.
+/// Cost of a sample off the path, and so the largest cost of a sample on it.
 const OFF_PATH_COST: f64 = 60.0;
 /// Cost of a new beginning; the cost of two samples off the path must exceed it.
 const RESTART_COST: f64 = 2.0 * OFF_PATH_COST;
-/// Length of a whole pass, as a part of the longest.
+/// Least length of a whole pass, as a part of the longest pass.
 pub const MIN_PASS_RATIO: f64 = 0.9;
-/// Approximate limit of the samples that count.
+/// Approximate limit of the number of samples used.
 const MAX_SAMPLES: usize = 150_000;
-/// Least time of a repeated position at which the tool rests, s.
+/// Least duration of a repeated position that counts as a rest of the tool, s.
 const MIN_REST_S: f64 = 0.1;
 /// Least displacement of a moving tool, in standard deviations of the noise.
 pub const MIN_DISPLACEMENT_SIGMAS: f64 = 6.0;
@@ -90,7 +92,8 @@ pub struct MatchedPass {
 }
 
 impl MatchedPass {
-    /// Returns the part of the recording, or of the path (mm) if that is larger, that this pass makes up.
+    /// Returns the part of the recording that this pass makes up, or of a path of length `path` (mm) if that
+    /// part is larger.
     pub fn part(&self, path: f64) -> f64 {
         self.on_path / self.recorded.min(path).max(1e-9)
     }
@@ -117,8 +120,8 @@ impl Track {
             })
             .collect();
         let all: Vec<Point> = position;
-        // A repeated position is not another sample; of a position at rest the last one has the end of the
-        // rest.
+        // A repeated position is not a further sample; of a position at rest the last one marks the end of
+        // the rest.
         let repeats = |row: usize| row != 0 && all[row] == all[row - 1];
         let mut kept: Vec<usize> = Vec::with_capacity(all.len());
         for row in 0..all.len() {
@@ -275,7 +278,8 @@ fn follow_within(
     Ok(traced_back(track, &samples[begin..], &columns))
 }
 
-/// Returns tracks that begin again near `point`, if the cheapest so far is at the end of the path or off it.
+/// Returns tracks that restart near `point`, if the cheapest so far is at the end of the path or off the
+/// path.
 fn restarted(
     point: Point,
     best: TrackState,
@@ -326,7 +330,7 @@ fn first_states(
     None
 }
 
-/// Traces the cheapest track back, sample by sample.
+/// Returns the pass of the cheapest track, traced back sample by sample.
 fn traced_back(track: &Track, samples: &[usize], columns: &[Vec<TrackState>]) -> MatchedPass {
     let mut way = 0;
     let mut steps = Vec::with_capacity(samples.len());
@@ -374,7 +378,7 @@ fn progress(pass: &[TrackStep]) -> f64 {
 
 fn matched(track: &Track, pass: &[TrackStep], recorded: f64, passes: usize) -> MatchedPass {
     let on = || pass.iter().filter(|step| step.away.is_finite());
-    // The move to its first sample does not belong to the pass.
+    // The move to the first sample of the pass does not belong to it.
     let way = |steps: &mut dyn Iterator<Item = &TrackStep>| steps.map(|step| step.moved).sum::<f64>();
     let entry = pass.first().map_or(0.0, |step| step.moved);
     let (all, on_path) = (way(&mut pass.iter()) - entry, way(&mut on()) - entry);

@@ -10,11 +10,11 @@
 //!
 //! The result is a list of [`Mark`]s, places with the time at which the machine was there. Time is never
 //! warped: a mark is a stamp of the recording with its uncertainty. A recording that cannot belong to this
-//! program is refused, with a change that would make it fit if one is known: other units, exchanged axes, a
-//! reversed path, another zero point.
+//! program is refused; the error names a change that would make it fit if one is found: other units,
+//! exchanged axes, a reversed path, another zero point.
 //!
 //! A recording may contain several passes of the program, and moves before, between and behind them: the
-//! first whole pass is aligned, the others are counted. Limits: rotary axes are not compared.
+//! first whole pass is aligned, and the other passes are only counted. Limits: rotary axes are not compared.
 
 mod simulated_recording;
 mod feed;
@@ -132,8 +132,8 @@ pub struct Alignment {
 }
 
 impl Alignment {
-    /// Returns an alignment of marks alone with a `run` (s), on the whole of a path of this length (mm): one pass in the
-    /// program's coordinates.
+    /// Returns an alignment that consists of marks and a `run` (s) and covers a path of `length` (mm): one
+    /// pass in the program's coordinates.
     pub fn of_marks(method: Method, run: Range<f64>, marks: Vec<Mark>, length: f64) -> Alignment {
         Alignment {
             method,
@@ -153,8 +153,8 @@ impl Alignment {
         }
     }
 
-    /// Returns the alignment with true stamps, given that the recorder's clock advances `ratio` seconds per
-    /// second.
+    /// Returns the alignment with its stamps corrected for a recorder's clock that advances `ratio` seconds
+    /// per second.
     pub fn by_right_clock(&self, ratio: f64) -> Cow<'_, Alignment> {
         if ratio == 1.0 {
             return Cow::Borrowed(self);
@@ -186,7 +186,7 @@ pub enum AlignmentError {
     /// The program has no path.
     #[error("the program contains no motion to compare with")]
     NoPath,
-    /// Neither positions, nor lines, nor feed.
+    /// The recording has neither positions, nor lines, nor feed.
     #[error("the recording has no positions, line numbers or feed; record one of them")]
     NothingToFollow,
     /// Hardly any motion.
@@ -200,9 +200,9 @@ pub enum AlignmentError {
     /// The path does not fit.
     #[error("{part:.0} % of the recorded path is off the programmed path{}", what_then(hint.as_deref()))]
     OffPath {
-        /// The part, %.
+        /// Part off the path, %.
         part: f64,
-        /// A change that would make it fit, as a clause.
+        /// A change that would make the recording fit, as a clause.
         hint: Option<String>,
     },
     /// The travelled length does not fit.
@@ -230,7 +230,7 @@ pub enum AlignmentError {
     /// Too little for a comparison.
     #[error("the recording covers only {covered:.1} mm of the path, too little to compare")]
     TooLittle {
-        /// The part, mm.
+        /// Length of the covered part, mm.
         covered: f64,
     },
     /// Times are in another unit than seconds.
@@ -250,12 +250,12 @@ pub enum AlignmentError {
         100.0 * part, worst.line, seconds(worst.recorded), seconds(worst.programmed)
     )]
     TooFast {
-        /// The part of the programmed cutting time.
+        /// Part of the programmed cutting time that is too fast.
         part: f64,
-        /// The longest part.
+        /// The longest stretch that is too fast.
         worst: TooFast,
     },
-    /// Lines are of another length.
+    /// Recorded lengths of lines are not those of the program.
     #[error(
         "for {:.0} % of the cutting lines, recorded feed and time give another length than the program: this is a recording of another program", 100.0 * part
     )]
@@ -280,7 +280,7 @@ fn what_then(hint: Option<&str>) -> String {
 }
 
 /// Aligns a recording with a program: returns the alignment of the first of its runs that covers about as
-/// much as any.
+/// much as the one that covers most.
 ///
 /// # Errors
 ///
@@ -314,11 +314,11 @@ pub fn align(
     Ok(alignment)
 }
 
-/// Most alignments of one recording; a log of a year has thousands.
+/// Most runs of one recording that are aligned; a log of a year has thousands.
 const MAX_ALIGNMENTS: usize = 32;
 
-/// Returns the first alignment that covers about as much as any, and the number of passes in all of them; the
-/// first error if there is none.
+/// Returns the first alignment that covers about as much as the longest, with the number of passes in all
+/// alignments; the first error if there is no alignment.
 fn longest(
     alignments: impl Iterator<Item = Result<Alignment, AlignmentError>>,
 ) -> Result<(Alignment, usize), AlignmentError> {

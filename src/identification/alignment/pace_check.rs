@@ -1,15 +1,15 @@
 //! Plausibility of the pace along the path.
 //!
-//! Two paces are impossible, whatever overrides, limits and waits do: half of a program a hundred times as
-//! fast or as slow as simulated, which is a wrong unit of time, as units are a thousand apart; and cutting in
-//! less than half of the programmed time, length over F, which is a wrong program, as dials of the feed
-//! override end at 200 %.
+//! Two paces are impossible under any overrides, limits and waits. Half of a program a hundred times as fast
+//! or as slow as simulated means a wrong unit of time, as units differ by a factor of a thousand. Cutting in
+//! less than half of the programmed time, length over F, means a wrong program, as dials of the feed override
+//! end at 200 %.
 //!
-//! A tool that cuts corners travels less than the program; with recorded positions it is timed by its
-//! travelled length.
+//! A tool that cuts corners travels less than the programmed length; if positions were recorded, the
+//! travelled length replaces it.
 //!
-//! Times are known to within a poll, so that places are chosen whose programmed times are at least
-//! [`RESOLVED_POLLS`] polls apart. Rapids, dwells and M-words are ignored.
+//! Times are known only to within a poll, so that the compared places are at least [`RESOLVED_POLLS`] polls
+//! of programmed time apart. Rapids, dwells and M-words are ignored.
 
 use crate::identification::alignment::place::{ProgramPlace, times};
 use crate::identification::alignment::{Alignment, AlignmentError};
@@ -25,7 +25,7 @@ const MAX_FEED_OVERRIDE: f64 = 2.0;
 /// Least programmed time of a part that is timed, in polls.
 const RESOLVED_POLLS: f64 = 4.0;
 /// Largest part of marks with a wrong stamp in a log of the right program; one wrong mark is always allowed.
-/// Of the 6,900 parts of the logs at hand, one is too fast.
+/// Of the 6,900 parts of the logs available, one is too fast.
 const MAX_WRONG_MARKS_RATIO: f64 = 0.01;
 
 /// Returns the alignment if its times are possible.
@@ -56,8 +56,8 @@ fn checked_unit(alignment: &Alignment, toolpath: &Toolpath, machine: &Machine) -
     else {
         return Ok(());
     };
-    // A wrong unit scales the median and the sum of the spans. A long wait at another mark scales the median
-    // alone.
+    // A wrong unit scales the median and the sum of the spans. A long wait at another mark scales only the
+    // median.
     let (recorded, simulated) = (last.time - first.time, end - begin);
     let is_impossible = |ratio: f64| !(1.0 / MAX_TIME_RATIO..MAX_TIME_RATIO).contains(&ratio);
     match is_impossible(ratio) && is_impossible(recorded / simulated) {
@@ -182,8 +182,8 @@ struct ClockReading {
     line: u32,
 }
 
-/// Returns the largest mean feedrate, mm/s, of a segment that is cut, if blends with both neighbours take
-/// half of it each: a blend runs at the faster feedrate of its legs.
+/// Returns the largest mean feedrate of a segment that is cut, mm/s, if each of the blends with its
+/// neighbours takes half of it: a blend runs at the feedrate of its faster leg.
 fn fastest(toolpath: &Toolpath, index: usize) -> f64 {
     let asked = |index: usize| match toolpath.segments.motion(index) {
         Motion::Feed { feedrate } => feedrate,
@@ -206,7 +206,7 @@ impl<'a> CuttingClock<'a> {
             before.push((seconds, pause));
             match segment.motion {
                 Motion::Feed { .. } => seconds += segment.length / fastest(toolpath, index),
-                // A place on a rapid and one behind it are not comparable either.
+                // Places on a rapid and behind it are not comparable either.
                 Motion::Rapid => pause += 2,
             }
         }

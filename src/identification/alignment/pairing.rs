@@ -1,17 +1,17 @@
 //! A log and several programs → the program that was run.
 //!
 //! Each program either refuses the log for a measured reason or covers a part of it. The program that covers
-//! clearly more than any other, or equally much at a clearly smaller distance, is the one that was run; the
-//! log cannot distinguish programs that differ by less.
+//! clearly more than any other, or equally much at a clearly smaller distance, is the one that was run;
+//! programs that differ by less cannot be distinguished by the log.
 
 use crate::identification::alignment::{Alignment, AlignmentError, align_log};
 use crate::identification::recording::Log;
 use crate::machine::Machine;
 use crate::simulation::toolpath::Toolpath;
 
-/// Largest part of another program's cover with which a program is excluded.
+/// Cover of a program, as a part of the largest cover, below which the program is excluded.
 const MIN_COVER_RATIO: f64 = 0.9;
-/// Least ratio of distances from the path with which a program is excluded.
+/// Distance from the path, as a multiple of the least distance, above which a program is excluded.
 const MAX_DISTANCE_RATIO: f64 = 2.0;
 
 /// The program of a log.
@@ -49,7 +49,7 @@ pub fn pair(log: &Log, programs: &[&Toolpath], machine: &Machine) -> Pairing {
     }
 }
 
-/// Returns how much of program and recording belongs together, 0 to 1.
+/// Returns the part of program and recording that belong together, 0 to 1.
 fn explained(alignment: &Alignment) -> f64 {
     let covered = alignment.covered.end - alignment.covered.start;
     alignment.fit * covered / alignment.length.max(1e-9)

@@ -2,7 +2,7 @@
 //!
 //! Within a range of distances along the path, [`Path::nearest`] returns every local minimum of the distance
 //! from a point: on a line the foot of the perpendicular, on an arc the best of closely spaced points,
-//! improved by Newton's method. An axis that was not recorded does not count.
+//! improved by Newton's method. Axes that were not recorded are ignored.
 
 use std::ops::Range;
 
@@ -16,9 +16,9 @@ const MAX_ARC_STEP_RAD: f64 = 0.2;
 const ENTRY_RATIO: f64 = 0.02;
 /// Number of moves within which a pass begins.
 const ENTRY_MOVES: usize = 3;
-/// Distances from a point that differ by no more than this are equal but for rounding, mm.
+/// Largest difference by rounding of distances from a point that are equal, mm.
 const ROUNDING_MM: f64 = 1e-9;
-/// Places closer to each other along the path than this are one, mm: no recorder resolves less.
+/// Distance along the path below which two places are one, mm: no recorder resolves less.
 const SAME_PLACE_MM: f64 = 1e-3;
 
 /// A path with its distances.
@@ -95,8 +95,8 @@ impl<'a> Path<'a> {
         Some((segment.point(offset), segment.tangent(offset)))
     }
 
-    /// Returns the length of the beginning of the path, where a pass of the program enters it, mm: a part of
-    /// the whole, and the first moves, of which the very first starts from wherever the tool was.
+    /// Returns the length of the beginning of the path within which a pass may enter it, mm: a part of the
+    /// whole, and at least the first moves, as the very first one starts wherever the tool was.
     pub fn entry(&self) -> f64 {
         let moves = self.distances.get(ENTRY_MOVES).or(self.distances.last()).copied().unwrap_or(0.0);
         moves.max(ENTRY_RATIO * self.length())
@@ -119,8 +119,8 @@ impl<'a> Path<'a> {
         Some(extent)
     }
 
-    /// Adds the places within a range of distances (mm) that are nearer to `point` than their neighbourhood. On a path
-    /// that goes back the way it came these are places on both ways, equally near.
+    /// Adds the places within a range of distances (mm) that are nearer to `point` than their neighbourhood.
+    /// On a path that returns along itself these are places on the way out and on the way back, equally near.
     pub fn nearest(&self, point: Point, within: Range<f64>, found: &mut Vec<Projection>) {
         found.clear();
         let Some(first) = self.segment_at(within.start) else { return };
@@ -182,8 +182,8 @@ impl<'a> Path<'a> {
     }
 }
 
-/// Keeps those of the places, in order along the path, without a nearer neighbour. Two that are equally near are two: the
-/// path goes back the way it came, and which of them is nearer rounding decides.
+/// Keeps the places, in order along the path, that have no nearer neighbour. Of two equally near places both
+/// are kept: the path returns along itself, and only rounding makes one of them nearer.
 fn keep_minima(found: &mut Vec<Projection>) {
     sort_by_number(found, |one| one.along);
     let all = std::mem::take(found);

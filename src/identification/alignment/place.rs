@@ -1,9 +1,9 @@
-//! Places in a program, at which recording and simulation each have a time.
+//! Places in a program, each with a time in the recording and one in the simulation.
 //!
-//! The first place is the start of the program, from which a control may need time to its first block. A
-//! program is a sequence of items, segments and stops, and a visit is a run of items of one line; a line in a
-//! loop has many visits. A place is a distance along the path, or one of the two ends of a stop, between
-//! which only time passes:
+//! The first place is the start of the program, after which a control may need time until the first block. A
+//! program is a sequence of segments and stops; a visit is a run of consecutive segments and stops of one
+//! line, and a line in a loop has many visits. A place is a distance along the path, or one of the two ends
+//! of a stop, between which only time passes:
 //!
 //! ```text
 //! distance                    ┌──────────
@@ -12,7 +12,7 @@
 //!                                                        time →
 //! ```
 //!
-//! Places do not depend on the machine, so that one set of them serves every trial of a parameter.
+//! Places do not depend on the machine, so that one set of places serves every trial of a parameter.
 
 use std::ops::Range;
 
@@ -93,7 +93,8 @@ pub fn visits(toolpath: &Toolpath) -> Vec<Visit> {
     visits
 }
 
-/// Returns when the simulated machine is at each of `places`, s; they must be in program order.
+/// Returns the times at which the simulated machine is at each of `places`, s; the places must be in program
+/// order.
 pub fn times(toolpath: &Toolpath, plan: &FeedPlan, places: &[ProgramPlace]) -> Vec<f64> {
     let profile = Profile::new(toolpath, plan);
     let waits = wait_times(plan, &profile);
@@ -114,7 +115,7 @@ pub fn times(toolpath: &Toolpath, plan: &FeedPlan, places: &[ProgramPlace]) -> V
     places.iter().map(time).collect()
 }
 
-/// Returns when each stop of the plan begins and ends, s.
+/// Returns the times at which each stop of the plan begins and ends, s.
 fn wait_times(plan: &FeedPlan, profile: &Profile) -> Vec<Range<f64>> {
     let mut waits = Vec::new();
     for (index, phase) in plan.phases.iter().enumerate() {

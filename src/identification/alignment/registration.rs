@@ -1,11 +1,11 @@
 //! Recorded positions and a path → possible shifts between their coordinates.
 //!
 //! Machine coordinates differ from the program's by a zero point and a tool length. Both curves are sampled
-//! at even distances, and each bend of more than [`MIN_TURN_COSINE`] becomes a corner with the directions
-//! before and behind it, whatever its cause: a corner, a blend, an arc or chords. Two corners with equal
-//! directions vote for the difference of their places; the most frequent votes are candidates. Rows of a
-//! pocket also vote for shifts by a row, so that candidates are ranked by how much of either curve is then
-//! near the other.
+//! at even distances, and each bend whose cosine is below [`MIN_TURN_COSINE`] becomes a corner with the
+//! directions before and behind it, whether its cause is a corner, a blend, an arc or chords. Two corners
+//! with equal directions vote for the difference of their places; the most frequent votes are candidates.
+//! Rows of a pocket also vote for shifts by a row, so that candidates are ranked by the part of each curve
+//! that the shift brings near the other.
 
 use std::collections::{HashMap, HashSet};
 
@@ -14,11 +14,10 @@ use crate::identification::alignment::path::Path;
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Point, Vector};
 
-/// Largest cosine of the turn at a corner: 25°.
+/// Cosine of the turn below which a bend is a corner: that of 25°.
 const MIN_TURN_COSINE: f64 = 0.906;
 /// Least cosine between directions that agree: 14°.
 const MIN_DIRECTION_COSINE: f64 = 0.97;
-/// Length over which a direction is measured, as a part of the size of the curve, and in widths of the
 /// Length over which a direction is measured, as a part of the size of the curve.
 const DIRECTION_SIZE_RATIO: f64 = 0.01;
 /// Least length over which a direction is measured, in widths of the tolerance.
@@ -105,7 +104,7 @@ fn corners(points: &[Point], reach: usize) -> Vec<CurveCorner> {
             continue;
         };
         match found.last_mut() {
-            // Of the points around one bend the sharpest is its corner.
+            // Of the points around one bend the one with the sharpest turn is the corner.
             Some(last) if at - last.0 < reach => {
                 if cosine < last.1 {
                     *last = (at, cosine, corner);
@@ -149,7 +148,7 @@ fn voted(seen: &[CurveCorner], told: &[CurveCorner], size: f64) -> Vec<Vector> {
         }
     }
     let mut cells: Vec<(usize, GridCell)> = votes.iter().map(|(cell, (count, _))| (*count, *cell)).collect();
-    // The order of a hash map is arbitrary: cells break ties.
+    // The order of a hash map is arbitrary, so that ties are broken by the cell.
     cells.sort_by(|a, b| b.cmp(a));
     cells.truncate(2 * MAX_CANDIDATES);
     let merged = |cell: GridCell| {
@@ -184,8 +183,8 @@ impl Overlap {
         Overlap { recorded: side(recorded), programmed: side(programmed), size }
     }
 
-    /// Returns the sum of the parts of either curve near the other, if the recorded one is shifted back by
-    /// `shift`.
+    /// Returns the sum of the parts of both curves that are near the other curve if the recorded one is
+    /// shifted back by `shift` (mm).
     fn with(&self, shift: &Vector) -> f64 {
         let part = |points: &[Point], cells: &HashSet<GridCell>, by: Vector| {
             let is_near = |point: &&Point| {

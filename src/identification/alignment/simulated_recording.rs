@@ -1,4 +1,5 @@
-//! Simulated recordings: when a recorder would see a simulated machine at places along the path.
+//! Simulated recordings: the times at which a recorder would see a simulated machine at places along the
+//! path.
 //!
 //! Lag and vibration move the tool off the path, and so the projection of its position onto it. A recording
 //! of such a machine is therefore compared with a simulated recording: the actual motion at the recorder's
@@ -17,7 +18,8 @@ use crate::simulation::toolpath::{Point, Toolpath};
 /// Most samples of a simulated recording.
 const MAX_SAMPLES: f64 = 200_000.0;
 
-/// Returns when the simulated machine is at each mark, s: on its path, or as a recorder would see its drives.
+/// Returns the time at which the simulated machine is at each mark, s: on its path, or as a recorder would
+/// see its drives.
 pub fn times_at_marks(
     toolpath: &Toolpath,
     machine: &Machine,

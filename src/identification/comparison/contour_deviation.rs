@@ -1,12 +1,12 @@
 //! Contour deviation: recorded positions against simulated ones, without differences of time.
 //!
-//! A recorded sample at t is compared with the simulated position at t − t0 − r̃(t) − δ. r̃ is 0 if the
-//! simulation is assumed to lose no time, or else the median of the residual over [`MEDIAN_REACH_S`] on both
-//! sides, which keeps jumps; δ is a common delay, as drives and recorders have. δ is found by Newton steps, δ
-//! = −Σ e·v / Σ v·v, for e the difference and v the simulated velocity. The part of e along the motion is
-//! weighted by σ²/(σ² + (v τ)²), with σ the noise and τ the uncertainty of stamps: at rapid speed a
-//! millisecond is a third of a millimetre. The remainder is the deviation of the path: lag at corners,
-//! backlash at reversals, vibration.
+//! A recorded sample at t is compared with the simulated position at t − t0 − r̃(t) − δ, where t0 is the
+//! recorded less the simulated time at the first mark. r̃ is 0 if the simulation is assumed to lose no time,
+//! or else the median of the residual over [`MEDIAN_REACH_S`] on both sides, which keeps jumps. δ is a common
+//! delay, as drives and recorders have; Newton steps determine it, δ = −Σ e·v / Σ v·v, with the difference e
+//! and the simulated velocity v. The part of e along the motion is weighted by σ²/(σ² + (v τ)²), with the
+//! noise σ (mm) and the uncertainty τ (s) of stamps: at rapid speed a millisecond is a third of a millimetre.
+//! The remainder is the deviation of the path: lag at corners, backlash at reversals, vibration.
 
 use crate::identification::alignment::{Alignment, median};
 use crate::machine::Machine;
@@ -19,13 +19,13 @@ use crate::simulation::toolpath::Toolpath;
 const MEDIAN_REACH_S: f64 = 1.0;
 /// Most samples compared.
 const MAX_SAMPLES: usize = 8000;
-/// Uncertainty of a recorder's stamps, s; times the speed it is a difference along the motion.
+/// Uncertainty of a recorder's stamps, s; multiplied by the speed it is a difference along the motion.
 const STAMP_DEVIATION_S: f64 = 1e-3;
 /// Most Newton steps for the delay, and the least step, s.
 const MAX_DELAY_STEPS: usize = 8;
 const MIN_DELAY_STEP_S: f64 = 1e-6;
 
-/// Recorded positions with the simulated times that they belong to.
+/// Recorded positions with their simulated times.
 pub struct ContourDeviation {
     samples: Samples,
     /// Simulated time, s, and recorded position of each sample.
@@ -36,8 +36,8 @@ pub struct ContourDeviation {
 }
 
 impl ContourDeviation {
-    /// Returns the deviations of a run whose simulation is at the marks at these times (s), with the
-    /// residuals (s) there if it loses time; `None` without positions.
+    /// Returns the deviations of a run, given the simulated times at the marks (s) and the residuals there
+    /// (s) if the run lost time; `None` without positions.
     pub fn new(
         toolpath: &Toolpath,
         plan: &FeedPlan,
@@ -129,8 +129,8 @@ impl ContourDeviation {
     }
 }
 
-/// Returns the running median of the residuals within [`MEDIAN_REACH_S`] of each mark, s. Marks nearer to
-/// each other than a tenth of that share one median, so that the work grows linearly with their number.
+/// Returns the running median of the residuals within [`MEDIAN_REACH_S`] of each mark, s. Marks closer
+/// together than a tenth of that time share one median, so that the work is linear in the number of marks.
 fn running_medians(simulated: &[f64], residuals: &[f64]) -> Vec<f64> {
     let mut smooth = vec![0.0; residuals.len()];
     let mut window = Vec::new();

@@ -1,4 +1,4 @@
-//! The lost-time curve: time lost over distance, as charts draw it.
+//! The lost-time curve: time lost over distance, for charts.
 
 use crate::identification::alignment::Alignment;
 use crate::identification::comparison::Comparison;

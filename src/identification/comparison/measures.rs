@@ -1,4 +1,4 @@
-//! Differences of two motions, in one number each.
+//! Differences between recorded and simulated motion, each as one number.
 
 use std::ops::Range;
 
@@ -24,11 +24,11 @@ pub struct FeedError {
     pub programmed_rms: f64,
     /// Mean programmed feedrate over distance, mm/s.
     pub programmed: f64,
-    /// Length over which they were compared, mm.
+    /// Length over which the feedrates were compared, mm.
     pub way: f64,
 }
 
-/// The difference of feedrates over all the way of several comparisons.
+/// The difference of feedrates over the whole length of several comparisons.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PooledFeedError {
     squares: f64,
@@ -44,7 +44,7 @@ impl PooledFeedError {
         }
     }
 
-    /// Returns the RMS over the way, mm/s; `None` without one.
+    /// Returns the RMS over the whole length, mm/s; `None` if nothing was compared.
     pub fn rms(&self) -> Option<f64> {
         (0.0 < self.way).then(|| (self.squares / self.way).sqrt())
     }
@@ -78,8 +78,8 @@ impl FeedError {
     }
 }
 
-/// Returns the difference of feedrates of a comparison: from point to point if places are known to the
-/// sample, else as means over parts that are long against the time between polls.
+/// Returns the difference of feedrates of a comparison: point by point if the place of each sample is known,
+/// else of means over parts that are long against the time between polls.
 pub fn feed_error(
     toolpath: &Toolpath,
     plan: &FeedPlan,
@@ -102,7 +102,7 @@ pub fn feed_error_during(
     }
     let poll = alignment.poll?;
     let distances = toolpath.distances();
-    // Undefined if a rapid move lies between.
+    // NaN if a rapid move lies in the range.
     let programmed = |range: &Range<f64>| -> f64 {
         let at =
             |distance: f64| distances.partition_point(|end| *end < distance).min(toolpath.segments.len());

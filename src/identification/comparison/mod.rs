@@ -1,6 +1,7 @@
-//! Alignment and plan → [`Comparison`]: where the recorded machine lost time against the simulated one.
+//! Alignment and plan → [`Comparison`]: the time that the recorded machine lost against the simulated one, by
+//! place.
 //!
-//! At every mark the residual is how much later the recorded machine is,
+//! The residual at a mark is the delay of the recorded machine (s),
 //!
 //! ```text
 //! r(s) = (T_recorded(s) − T_recorded(first)) − (T_simulated(s) − T_simulated(first))
@@ -10,10 +11,10 @@
 //! difference of the cycle times exactly, whatever the start offset. A stop is waiting; if its line also
 //! moves, the lost time of the whole visit counts as waiting.
 //!
-//! Feedrates are compared over distance, on feed moves alone: RMS weighted by distance; for a log that names
-//! lines only now and then, as means over some polls, because it resolves no place better. Positions are
-//! compared at equal places: the simulated one at the time shifted by r, averaged over a quarter of a second
-//! on either side, so that the difference is the deviation of the path and not the time lost.
+//! Feedrates are compared over distance, on feed moves only, as the RMS weighted by distance; those of a
+//! polled log of lines as means over some polls, because the log resolves no shorter distance. Positions are
+//! compared at equal places: the time of the simulated position is shifted by r, averaged over a quarter of a
+//! second on either side, so that the difference is the deviation of the path without the time lost.
 
 mod lost_time;
 mod contour_deviation;
@@ -48,7 +49,7 @@ pub struct VisitTimes {
 }
 
 impl VisitTimes {
-    /// Returns `true` if the machine waits in it.
+    /// Returns `true` if the visit contains a stop.
     pub fn waits(&self) -> bool {
         !self.stops.is_empty()
     }
@@ -84,9 +85,9 @@ pub struct Comparison {
     pub simulated: Vec<f64>,
     /// Lost time of each visit, in program order; adds up to the last residual.
     pub lost: Vec<VisitTimes>,
-    /// Total, waits included.
+    /// Times of the whole run, including waits.
     pub whole: Durations,
-    /// Motion alone.
+    /// Times of the motion without waits.
     pub motion: Durations,
     /// Difference of feedrates; `None` if no feed move was recorded.
     pub feed: Option<FeedError>,
@@ -141,14 +142,16 @@ pub fn compare(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) -> C
     Comparison { residuals, simulated, lost, whole, motion, feed, position }
 }
 
-/// Returns the delay of the recorded machine at each mark, s, given the times of the simulated one there.
+/// Returns the delay of the recorded machine at each mark, s, given the times of the simulated machine there
+/// (s).
 pub fn residuals(alignment: &Alignment, simulated: &[f64]) -> Vec<f64> {
     let Some((first, start)) = alignment.marks.first().zip(simulated.first()) else { return Vec::new() };
     let marks = alignment.marks.iter().zip(simulated);
     marks.map(|(mark, time)| (mark.time - first.time) - (time - start)).collect()
 }
 
-/// Returns a key that sorts places in program order: distance, stop, and whether it is over.
+/// Returns a key that sorts places in program order: distance, index of the stop, and `true` at the end of
+/// the stop.
 fn order(place: ProgramPlace, toolpath: &Toolpath, distances: &[f64]) -> (f64, usize, bool) {
     let distance = place.distance(toolpath, distances);
     match place {
@@ -226,7 +229,7 @@ fn between(
     let (before, after) = (residuals[mark - 1], residuals[mark]);
     let along = |share: f64| before + share.clamp(0.0, 1.0) * (after - before);
     match (method, place) {
-        // Marks of positions lie on both sides of a stop, and time lost between them is lost there.
+        // Marks from positions lie on both sides of a stop, and time lost between them is lost at the stop.
         (Method::Positions, ProgramPlace::Stop(_)) => before,
         (Method::Positions, ProgramPlace::After(_)) => after,
         (Method::Positions, ProgramPlace::Along(_)) => {

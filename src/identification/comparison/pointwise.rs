@@ -1,4 +1,4 @@
-//! Both motions at the same places: the columns of charts and errors.
+//! Recorded and simulated motion at the same places: the columns for charts and errors.
 
 use crate::identification::alignment::{Alignment, Method};
 use crate::identification::recording::Channel;
@@ -30,7 +30,7 @@ pub struct Pointwise {
     pub line: Vec<u32>,
 }
 
-/// Returns both motions at the places of the recording.
+/// Returns the recorded and the simulated motion at the places of the recording.
 pub fn pointwise(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) -> Pointwise {
     let mut rows = Pointwise::default();
     let profile = Profile::new(toolpath, plan);
@@ -38,9 +38,9 @@ pub fn pointwise(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) ->
         (Method::Lines | Method::Feed, Some(feed)) => from_feed(alignment, feed),
         _ => from_fixes(alignment),
     };
-    // A polled state may be late by as much as the poll, on either side.
+    // A polled state may be late by up to a poll, at either end.
     let blur = alignment.poll.unwrap_or(0.0);
-    // The ends of pieces ascend, each on its side, so that two passes are enough.
+    // The beginnings of pieces ascend, and so do their ends, so that two passes are enough.
     let ends = [0, 1].map(|end: usize| {
         let distances: Vec<f64> = stretches.iter().map(|stretch| stretch.distance[end]).collect();
         profile.crossing_times(&distances)

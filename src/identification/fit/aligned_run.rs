@@ -37,7 +37,7 @@ impl AlignedRun {
     ///
     /// # Errors
     ///
-    /// Returns an error if it cannot be read, or does not belong to this program.
+    /// Returns an error if the recording cannot be read, or does not belong to this program.
     pub fn new(
         toolpath: Toolpath,
         recording: &[u8],
@@ -50,7 +50,7 @@ impl AlignedRun {
     ///
     /// # Errors
     ///
-    /// Returns an error if it cannot be read, or does not belong to this program.
+    /// Returns an error if the recording cannot be read, or does not belong to this program.
     pub fn with(
         toolpath: Toolpath,
         recording: &[u8],

@@ -9,9 +9,10 @@ use crate::machine::{Handle, Machine};
 
 /// Interpolation cycle of a control, s: 1 to 4 ms are usual.
 const INTERPOLATION_CYCLE_S: f64 = 2e-3;
-/// Relative difference between the law of a model and the same law of a control: numbers are rounded, cycles
-/// are whole, and two programs for one law do not agree to the last digit. Of the values that recordings of
-/// two stand-in machines determine more exactly, nine in ten are off by less than 1.645 times this.
+/// Relative difference between a law in the model and the same law in a control: numbers are rounded, cycles
+/// are whole, and two implementations of one law do not agree to the last digit. Of the values that
+/// recordings of two stand-in machines determine more exactly than this, nine in ten are off by less than
+/// 1.645 times this ratio.
 const LAW_AGREEMENT_RATIO: f64 = 2e-3;
 
 /// The way in which a parameter varies.
@@ -26,11 +27,11 @@ pub enum VariationScale {
 /// The exactness with which a machine can have a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exactness {
-    /// As exactly as the law of the model is that of the control.
+    /// As exactly as the law of the model agrees with that of the control.
     Law,
     /// A time that the control counts in cycles.
     Cycles,
-    /// A time of a function, counted in cycles.
+    /// A time of a machine function, counted in cycles.
     Wait,
     /// Exactly, as a switch or a clock.
     Exact,
@@ -48,11 +49,11 @@ pub struct FreeParameter {
     pub start: f64,
     /// Least and largest value, core units.
     pub bounds: (f64, f64),
-    /// Way in which it varies.
+    /// Way in which the parameter varies.
     pub scale: VariationScale,
-    /// `true` if all times are linear in it, as in a wait: its derivative is constant.
+    /// `true` if all times are linear in the parameter, as in a wait: its derivative is constant.
     pub is_linear: bool,
-    /// Exactness with which a machine can have it.
+    /// Exactness with which a machine can have the value.
     pub exactness: Exactness,
     set: Setter,
 }
@@ -67,7 +68,7 @@ impl std::fmt::Debug for FreeParameter {
 }
 
 impl FreeParameter {
-    /// Returns a free number of the parameter table.
+    /// Returns a free parameter for a number of the parameter table.
     pub fn new(handle: Handle, start: f64, bounds: (f64, f64), scale: VariationScale) -> FreeParameter {
         let set = move |machine: &mut Machine, value: f64| handle.set(machine, value);
         FreeParameter {
@@ -81,7 +82,7 @@ impl FreeParameter {
         }
     }
 
-    /// Returns a free time of a function of the machine.
+    /// Returns a free parameter for the time of a function of the machine, s.
     pub fn wait(handle: Handle, start: f64, bounds: (f64, f64)) -> FreeParameter {
         FreeParameter {
             exactness: Exactness::Wait,
@@ -155,9 +156,9 @@ impl FreeParameter {
         }
     }
 
-    /// Returns the least standard deviation of a value (core units), whatever the runs say: a control counts
-    /// times in cycles that the machine file does not contain, and no law is that of the control to the last
-    /// digit. Switches and clocks are exact.
+    /// Returns the least standard deviation of a value, core units, however exactly the runs determine it: a
+    /// control counts times in cycles that the machine file does not contain, and no law of the model is
+    /// exactly that of the control. Switches and clocks are exact.
     pub fn floor(&self, value: f64) -> f64 {
         match self.exactness {
             Exactness::Cycles | Exactness::Wait => INTERPOLATION_CYCLE_S / 12f64.sqrt(),

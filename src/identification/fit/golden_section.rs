@@ -9,10 +9,10 @@
 //!
 //! Source: Kiefer 1953.
 
-/// g above.
+/// Ratio g of a section.
 const GOLDEN_SECTION: f64 = 0.381_966_011_250_105_1;
 
-/// Narrows a bracket around the minimum of `cost` by a number of sections, and returns it.
+/// Returns the bracket around the minimum of `cost` after narrowing it by a number of sections.
 pub fn golden_section(bracket: (f64, f64), sections: usize, mut cost: impl FnMut(f64) -> f64) -> (f64, f64) {
     let (mut low, mut high) = bracket;
     let (mut a, mut b) = (low + GOLDEN_SECTION * (high - low), high - GOLDEN_SECTION * (high - low));

@@ -1,4 +1,4 @@
-//! Leave-one-out: the residuals of a section of the path at the values that all other sections give.
+//! Leave-one-out: the residuals of a section of the path at the values fitted to all other sections.
 //!
 //! From the values θ of all sections, at which the gradient nearly vanishes, one Gauss-Newton step leads to
 //! the values without the section s:
@@ -7,8 +7,8 @@
 //! θ₋ₛ − θ = (H − Hₛ)⁻¹ gₛ,     νₛ(θ₋ₛ) = νₛ + Jₛ (θ₋ₛ − θ)
 //! ```
 //!
-//! with ν, J, H and g as in `information`. A value without information from the others is fixed. Source: Cook
-//! and Weisberg 1982, Sect. 3.4. Limits: valid as far as the residuals are linear in the values.
+//! with ν, J, H and g as in `information`. A value on which the other sections have no information is fixed.
+//! Source: Cook and Weisberg 1982, Sect. 3.4. Limits: valid as far as the residuals are linear in the values.
 
 use std::ops::Range;
 
@@ -19,14 +19,14 @@ use crate::identification::fit::minimise::linearised;
 use crate::identification::fit::{FreeParameter, Run, Whitening};
 use crate::machine::Machine;
 
-/// Largest share of the information on a value that one section may have; beyond it the others do not
-/// determine the value.
+/// Largest share of the information on a value that one section may have; above this share the other sections
+/// do not determine the value.
 const MAX_INFORMATION_SHARE: f64 = 0.95;
 
 /// The whitened residuals of one section that is held out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeldOutBlock {
-    /// Residuals at the values that the other sections give.
+    /// Residuals at the values fitted to the other sections.
     pub whitened: Vec<f64>,
     /// Share of the information on each value that lies in the section.
     pub shares: Vec<f64>,
@@ -39,8 +39,8 @@ impl HeldOutBlock {
     }
 }
 
-/// Returns every section of every run, one run after another, at the values fitted to all others. The initial
-/// values are those fitted to all sections.
+/// Returns every section of every run, in the order of the runs, at the values fitted to all other sections.
+/// The initial values are those fitted to all sections.
 pub fn held_out_blocks(
     machine: &Machine,
     runs: &[Run],

@@ -4,10 +4,10 @@
 //! (JᵀWJ + λ diag JᵀWJ) Δ = −JᵀWν,     W = min(1, c / |ν|)
 //! ```
 //!
-//! A step that lowers the cost is accepted. λ falls if the gain is the predicted one and rises if it falls
-//! short (Nielsen's rule: at a kink of the residuals the search would oscillate otherwise); if there is no
-//! gain, λ rises and the step shortens. A parameter that is pushed against its bound, or that affects no
-//! residual, is left out of the step.
+//! A step Δ that lowers the cost is accepted. λ falls if the gain equals the predicted one and rises if the
+//! gain falls short (Nielsen's rule: otherwise the search would oscillate at a kink of the residuals). If
+//! there is no gain, λ rises and the step shortens. A parameter that the step pushes against its bound, or
+//! that affects no residual, is left out of the step.
 //!
 //! Source: Madsen, Nielsen and Tingleff 2004, Sect. 3.2; Marquardt 1963; Huber 1964.
 
@@ -19,7 +19,7 @@ pub trait Problem {
     fn residuals(&self, point: &DVector<f64>) -> Option<Vec<Vec<f64>>>;
 
     /// Returns the derivatives of `residuals` at a point, one column per parameter, block by block. `last`
-    /// are those of the point before, empty at first.
+    /// holds the derivatives at the previous point and is empty at first.
     fn jacobians(
         &self,
         point: &DVector<f64>,
@@ -27,7 +27,8 @@ pub trait Problem {
         last: &[DMatrix<f64>],
     ) -> Vec<DMatrix<f64>>;
 
-    /// Returns the point after a step: within bounds, and no farther than the residuals are nearly linear.
+    /// Returns the point after a step, limited to the bounds and to the range in which the residuals are
+    /// nearly linear.
     fn after_step(&self, point: &DVector<f64>, step: &DVector<f64>) -> DVector<f64>;
 
     /// Returns `true` if a parameter is on a bound that the direction `downhill` crosses.
@@ -76,8 +77,8 @@ pub fn rho(value: f64, huber: f64) -> f64 {
     if size <= huber { size * size } else { 2.0 * huber * size - huber * huber }
 }
 
-/// Searches the point of least cost from `start`, at which there must be residuals. Calls `progress` with the
-/// completed fraction, 0 to 1.
+/// Searches for the point of least cost from `start`, at which residuals must be defined. Calls `progress`
+/// with the completed fraction, 0 to 1.
 pub fn minimise(
     problem: &impl Problem,
     start: DVector<f64>,
@@ -101,7 +102,7 @@ pub fn minimise(
         if converged {
             break;
         }
-        // If few residuals feel a parameter, the equations need damping to have a solution.
+        // If a parameter affects few residuals, the equations need damping to have a solution.
         let Some((next, foretold)) =
             damped_step(problem, &point, &residuals, &jacobians, damping, search.huber)
         else {

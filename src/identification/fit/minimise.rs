@@ -1,4 +1,4 @@
-//! Free parameters of a machine as a problem of least squares: each value needs a whole simulation.
+//! Free parameters of a machine as a problem of least squares: each trial needs a whole simulation.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -25,7 +25,8 @@ pub fn rho(value: f64) -> f64 {
     levenberg_marquardt::rho(value, HUBER_THRESHOLD)
 }
 
-/// Returns the point of least cost, in optimiser's coordinates, to a relative decrease of `ftol`.
+/// Returns the point of least cost, in the optimiser's coordinates; the search stops once a step lowers the
+/// cost by less than the part `ftol`.
 pub fn minimise(
     machine: &Machine,
     runs: &[Run],
@@ -92,7 +93,8 @@ impl Problem for FitProblem<'_> {
         Some(self.whitened(varied))
     }
 
-    /// Central difference quotients; one-sided at a bound. Columns of linear parameters are kept.
+    /// Returns central difference quotients, one-sided at a bound. Columns of linear parameters are kept from
+    /// `last`.
     fn jacobians(
         &self,
         varied: &DVector<f64>,

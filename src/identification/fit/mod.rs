@@ -6,11 +6,11 @@
 //! Σ_runs Σ_k ρ(ν_k),    ρ(ν) = ν² for |ν| ≤ c, then 2 c |ν| − c²
 //! ```
 //!
-//! over the whitened residuals ν of `whitened`, so that an unexplained wait does not bend everything else
-//! (Huber 1964). The method is Levenberg's and Marquardt's with difference quotients; a parameter at its
-//! bound is fixed.
+//! over the whitened residuals ν of `whitened`. Beyond c the cost grows only linearly, so that an unexplained
+//! wait does not distort the other values (Huber 1964). The method is that of Levenberg and Marquardt with
+//! difference quotients; a parameter at its bound is fixed.
 //!
-//! Uncertainties are those of `uncertainty`: neighbouring residuals may be correlated, and more samples of
+//! Uncertainties are computed in `uncertainty`: neighbouring residuals may be correlated, and more samples of
 //! the same motion add no certainty.
 
 mod free_parameter;
@@ -98,7 +98,7 @@ impl Run<'_> {
         self.toolpath.segments.iter().any(|segment| segment.motion == Motion::Rapid)
     }
 
-    /// Returns `true` if another run has the same program and switches.
+    /// Returns `true` if another run has the same program and, on this machine, the same override switches.
     pub fn is_like(&self, other: &Run, machine: &Machine) -> bool {
         let switches = |run: &Run| {
             let (feed, rapid) = run.overrides;
@@ -107,7 +107,8 @@ impl Run<'_> {
         switches(self) == switches(other) && self.toolpath == other.toolpath
     }
 
-    /// Returns the alignment with true stamps, given the recorder's clock in the machine file.
+    /// Returns the alignment with its stamps corrected by the rate of the recorder's clock in the machine
+    /// file.
     pub fn by_clock(&self, machine: &Machine) -> Cow<'_, Alignment> {
         self.alignment.by_right_clock(machine.recorder.clock_ratio)
     }
@@ -156,8 +157,8 @@ pub fn cost_of(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> f64
     cost(whitened(machine, runs, whitenings).iter().flatten())
 }
 
-/// Fits parameters of a machine to runs, from their initial values, until a step gains less than the part
-/// `ftol` of the cost. Calls `progress` with the completed fraction, 0 to 1.
+/// Fits parameters of a machine to runs, from their initial values, until a step lowers the cost by less than
+/// the part `ftol`. Calls `progress` with the completed fraction, 0 to 1.
 pub fn fit(
     machine: &Machine,
     runs: &[Run],
@@ -197,7 +198,7 @@ pub fn fit(
     }
 }
 
-/// Returns the whitened residuals of each run through a recorder's clock whose rate is off by 1.
+/// Returns the whitened residuals that a recorder's clock with a rate error of 1 causes, run by run.
 fn clocks(runs: &[Run], whitenings: &[Whitening]) -> Vec<Vec<f64>> {
     let of_run = |(run, whitening): (&Run, &Whitening)| {
         let marks = &run.alignment.marks;

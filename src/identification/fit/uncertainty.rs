@@ -2,7 +2,7 @@
 //!
 //! Least squares assume that the whitened residuals ν are independent with variance 1. The residuals of a
 //! model are not: they persist for a while, and the recorder's clock is only as good as its quartz. Three
-//! contributions are therefore combined, with J the derivatives of ν, W its weights and H = JᵀWJ:
+//! contributions are therefore combined, with the derivatives J of ν, the weights W and H = JᵀWJ:
 //!
 //! | contribution | estimate |
 //! |---|---|
@@ -11,7 +11,7 @@
 //! | the clock, which no residual shows | (H⁻¹ JᵀW n)² σ², n the whitened residuals through a clock whose rate is off by 1, σ the standard deviation of the rate |
 //!
 //! The variance of a value is the larger of the first two, plus the third. The cycles of a control, and the
-//! limit of agreement between two laws, are added separately, see
+//! limit to which the laws of model and control agree, are added separately, see
 //! [`FreeParameter::floor`](crate::identification::fit::FreeParameter::floor). Sources: Efron and Tibshirani
 //! 1993, Sect. 11.5 and 17; Flegal and Jones 2010 for batch means. Clocks of recorders are off by 10 to 200
 //! ppm: quartzes by 50, computers that follow no other clock by more.
@@ -22,19 +22,21 @@ use crate::identification::fit::information::{Information, inverse};
 use crate::identification::fit::levenberg_marquardt::SearchMinimum;
 use crate::identification::fit::minimise::weight;
 
-/// Standard deviation of a clock's rate: for errors of 10 to 200 ppm, each size as likely as its double.
+/// Standard deviation of a clock's rate, for errors of 10 to 200 ppm of which each size is as likely as its
+/// double.
 const CLOCK_DEVIATION_RATIO: f64 = 8.2e-5;
 /// Most blocks of a run; each further length is twice the one before.
 const MAX_BLOCKS: usize = 512;
 /// Fewest blocks of a run.
 const MIN_BLOCKS: usize = 8;
-/// Share of information in one block from which a value is not determined without the block.
+/// Share of the information on a value in one block, from which on the other blocks do not determine the
+/// value.
 const MIN_INFORMATION_SHARE: f64 = 0.5;
 /// Least information on an optimiser's coordinate that counts.
 const MIN_INFORMATION: f64 = 1e-9;
 
-/// Returns the variance of sums of whitened residuals over blocks, over that of independent ones, at the
-/// length of block at which it is largest; at least 1.
+/// Returns the ratio of the variance of sums of whitened residuals over blocks to that of independent
+/// residuals, at the block length at which the ratio is largest; at least 1.
 pub fn dispersion(whitened: &[Vec<f64>]) -> f64 {
     let of = |blocks: usize| {
         let (mut squares, mut expected) = (0.0, 0.0);
@@ -56,7 +58,8 @@ fn scales() -> impl Iterator<Item = usize> {
 }
 
 /// Returns the covariance of the optimiser's coordinates; infinite on the diagonal for coordinates that the
-/// runs do not determine. `clocks` are the whitened residuals through a wrong clock, run by run.
+/// runs do not determine. `clocks` are the whitened residuals caused by a clock whose rate is off by 1, run
+/// by run.
 pub fn covariance(found: &SearchMinimum, clocks: &[Vec<f64>]) -> DMatrix<f64> {
     let count = found.point.len();
     let all = Information::of_all(&found.residuals, &found.jacobians, count);
@@ -85,8 +88,8 @@ pub fn covariance(found: &SearchMinimum, clocks: &[Vec<f64>]) -> DMatrix<f64> {
     covariance
 }
 
-/// Returns the largest variance of each determined value by leaving out blocks, over all lengths at which it
-/// is determined without any one of them.
+/// Returns the variance of each determined value by leaving out blocks: the largest over all block lengths at
+/// which the value is determined without any one block.
 fn jackknife(found: &SearchMinimum, known: &[usize], normal: &DMatrix<f64>) -> Vec<f64> {
     let mut largest = vec![0.0; known.len()];
     for blocks in scales() {

@@ -1,4 +1,4 @@
-//! Whitening: the residual of a run as independent numbers.
+//! Whitening: the residuals of a run as independent numbers.
 //!
 //! The delay of a recording at the marks is a sum: the time lost so far, which persists from mark to mark,
 //! and the error of each mark, which does not. For a process
@@ -10,13 +10,15 @@
 //!
 //! the innovations ν_k = r_k − E(x_k | r_1 … r_{k−1}), each divided by its standard deviation, are
 //! independent with variance 1 (Kalman 1960). They are linear in r, so that the same recursion whitens
-//! residuals and derivatives. The start offset is not known, so that the first mark gives none.
+//! residuals and derivatives. The start offset is unknown, so that the first mark has no innovation.
 //!
-//! Robust weights forgive deviations that are rare and always of one sign, such as a delay at each entry into
-//! a contour, which can add up to minutes. A fit for cycle times therefore also uses long sections: the gain
-//! of each of `SECTIONS_PER_RUN` equal parts of the run's time, over its standard deviation by the same process.
+//! Robust weights discount deviations that are rare and always of one sign, such as a delay at each entry
+//! into a contour, although these can add up to minutes. A fit for cycle times therefore also uses long
+//! sections: the time lost in each of `SECTIONS_PER_RUN` equal parts of the run's time, over its standard
+//! deviation by the same process.
 //!
-//! q is chosen so that the median of |ν| is that of a normal variable: outliers do not count.
+//! q is chosen so that the median of |ν| is that of a standard normal variable; outliers then have no
+//! influence.
 
 use crate::identification::alignment::{Alignment, median};
 
@@ -29,16 +31,16 @@ const SECTIONS_PER_RUN: usize = 16;
 /// The whitening of the residuals of one run.
 #[derive(Clone, Debug)]
 pub struct Whitening {
-    /// Gain of each mark, and one over the standard deviation of its innovation.
+    /// Kalman gain at each mark, and one over the standard deviation of its innovation.
     steps: Vec<(f64, f64)>,
     /// Process noise q, s/√s.
     pub process_noise: f64,
-    /// First and last mark of each section, and one over the standard deviation of its gain.
+    /// First and last mark of each section, and one over the standard deviation of the time lost in it.
     sections: Vec<(usize, usize, f64)>,
 }
 
 impl Whitening {
-    /// Returns the whitening of marks with this process noise (s/√s).
+    /// Returns the whitening of the marks of an alignment with the process noise `wander`, s/√s.
     pub fn new(alignment: &Alignment, wander: f64) -> Whitening {
         let marks = &alignment.marks;
         let mut variance = f64::INFINITY;
@@ -78,7 +80,7 @@ impl Whitening {
         Whitening { sections, ..self }
     }
 
-    /// Scales the whitened residuals so that the run counts as `weight` runs.
+    /// Scales the whitened residuals so that the run has the weight of `weight` runs.
     pub fn with_weight(mut self, weight: f64) -> Whitening {
         let part = weight.sqrt();
         self.steps.iter_mut().for_each(|(_, scale)| *scale *= part);
@@ -86,7 +88,7 @@ impl Whitening {
         self
     }
 
-    /// Removes the weight of the marks that satisfy `is_ignored`; the process continues through them.
+    /// Sets the weight of marks that satisfy `is_ignored` to 0; the process continues through them.
     pub fn ignore(&mut self, is_ignored: impl Fn(usize) -> bool) {
         for (mark, (_, scale)) in self.steps.iter_mut().enumerate() {
             if is_ignored(mark) {
@@ -95,7 +97,8 @@ impl Whitening {
         }
     }
 
-    /// Returns the normalised innovations of residuals, one per mark, 0 at the first; then the sections.
+    /// Returns the normalised innovations of residuals, one per mark, 0 at the first, followed by those of
+    /// the sections.
     pub fn apply(&self, residuals: &[f64]) -> Vec<f64> {
         let mut state = 0.0;
         let whiten = |(residual, (gain, scale)): (&f64, &(f64, f64))| {
@@ -109,13 +112,13 @@ impl Whitening {
         marks.chain(self.sections.iter().map(gained)).collect()
     }
 
-    /// Returns the whitening under which residuals are normal.
+    /// Returns the whitening that makes the residuals (s) of an alignment standard normal.
     pub fn of(alignment: &Alignment, residuals: &[f64]) -> Whitening {
         Whitening::new(alignment, Whitening::common(&[(alignment, residuals)]))
     }
 
-    /// Returns the process noise (s/√s) under which the residuals of several recordings are normal, all
-    /// together.
+    /// Returns the process noise that makes the residuals (s) of several recordings together standard normal,
+    /// s/√s.
     pub fn common(runs: &[(&Alignment, &[f64])]) -> f64 {
         let typical = |wander: f64| {
             let whitened = runs.iter().map(|(alignment, residuals)| {

@@ -4,12 +4,13 @@ use crate::identification::measured::events::{LawEvent, LawEvents};
 use crate::identification::measured::run_course::{MIN_REACHED_RATIO, RunCourse};
 use crate::simulation::toolpath::{Curve, Motion};
 
-/// Largest time of a short block, s: length over feedrate.
+/// Largest programmed time of a short block, s: its length over its feedrate.
 const MAX_SHORT_BLOCK_S: f64 = 0.1;
-/// Largest turn at both ends of a block, rad: at a larger one the corner would count and not the block.
+/// Largest turn at either end of a block, rad: at a larger turn the corner instead of the block supply would
+/// limit the motion.
 const MAX_BLOCK_TURN_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
 
-/// Returns the blocks of chains that are short, like their neighbours, and turn little.
+/// Returns the short blocks that lie between short blocks and turn little at both ends.
 pub fn blocks(course: &RunCourse) -> LawEvents {
     let mut found = LawEvents::default();
     let segments = &course.toolpath.segments;

@@ -1,5 +1,5 @@
-//! Corners and arcs: the feedrate at which they were passed, and whether their law or the programmed feedrate
-//! limited it.
+//! Corners and arcs: the feedrate at which the tool passed them, and its limit: their law or the programmed
+//! feedrate.
 
 use crate::identification::measured::events::{LawEvent, LawEvents};
 use crate::identification::measured::run_course::{MIN_REACHED_RATIO, RunCourse, SteadyPlateau};
@@ -7,7 +7,7 @@ use crate::simulation::toolpath::{Curve, Motion};
 
 /// Least turn of a corner, rad: smaller ones belong to blocks of a curve.
 const MIN_TURN_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
-/// Largest climb of an arc, as a part of its length: steeper ones are helices, and are not read.
+/// Largest climb of an arc, as a part of its length: steeper arcs are helices, which are ignored.
 const MAX_CLIMB_RATIO: f64 = 0.1;
 /// Variant of corners whose blocks both reached the programmed feedrate.
 pub const LONG_BLOCKS: &str = "long blocks";
@@ -61,7 +61,7 @@ pub fn arcs(course: &RunCourse) -> LawEvents {
     found
 }
 
-/// Converts a feedrate of a plateau, read along chords, to the feedrate (mm/s) along the arc.
+/// Returns the feedrate of a plateau along an arc of `radius` (mm), mm/s; windows measure it along chords.
 fn along_arc(plateau: &SteadyPlateau, radius: f64) -> f64 {
     let chord = plateau.feedrate * plateau.window;
     2.0 * radius * (chord / (2.0 * radius)).min(1.0).asin() / plateau.window

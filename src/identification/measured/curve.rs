@@ -1,8 +1,9 @@
 //! Events → points, and the monotone curve through them.
 //!
-//! The curve is the nearest that never falls (or never rises), weighted by the counts: neighbours that
-//! violate the order are pooled, one after another, until none does. Its uncertainty is the larger of the
-//! spread within the points, over the root of their count, and of the jackknife over points,
+//! The curve is the one nearest to the points, weighted by their counts, that never falls (or never rises):
+//! neighbours that violate the order are pooled, one after another, until none do. The standard deviation of
+//! the curve is the larger of two: the spread within the points over the root of their count, and the
+//! jackknife over the n points,
 //!
 //! ```text
 //! σ² = (n − 1)/n Σ_k (f₋ₖ(x) − f(x))²
@@ -26,22 +27,22 @@ pub struct LawPoint {
     pub count: usize,
 }
 
-/// The curve at a point.
+/// The value of the curve at a point, core units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurveLevel {
     /// Abscissa.
     pub over: f64,
     /// Value.
     pub value: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the value.
     pub deviation: f64,
 }
 
-/// Most points of one law; closer ones are merged.
+/// Most points of one law; beyond that number the closest points are merged.
 const MAX_POINTS: usize = 40;
 
-/// Groups pairs of abscissa and value into points, those that are no farther `apart` than by a length or a
-/// part.
+/// Groups pairs of abscissa and value into points. The abscissas of one point differ at most by `apart`: the
+/// larger of a value in core units and a part of the abscissa.
 pub fn points(mut pairs: Vec<(f64, f64)>, apart: (f64, f64)) -> Vec<LawPoint> {
     pairs.retain(|(over, value)| over.is_finite() && value.is_finite());
     sort_by_number(&mut pairs, |pair| pair.0);
@@ -112,7 +113,7 @@ fn pooled(points: &[LawPoint], is_rising: bool) -> Vec<f64> {
     pools.into_iter().flat_map(|(value, _, width)| std::iter::repeat_n(sign * value, width)).collect()
 }
 
-/// Returns the curve through points between them, constant beyond.
+/// Returns the value at `over` of the curve through the points: linear between them, constant beyond.
 fn between(points: &[LawPoint], values: &[f64], over: f64) -> f64 {
     let rows = rows_around_by(points.len(), |row| points[row].over, over, &mut 0);
     rows.map_or(0.0, |rows| rows.between(values))

@@ -18,17 +18,17 @@ pub enum LawKind {
 }
 
 impl LawKind {
-    /// All of them.
+    /// All laws.
     pub const ALL: [LawKind; 6] =
         [LawKind::Corner, LawKind::Arc, LawKind::Ramp, LawKind::Rapid, LawKind::Block, LawKind::Wait];
 
-    /// Returns `true` if the value of the law can only rise with the abscissa; else it can only fall.
+    /// Returns `true` if the value of the law can only rise with the abscissa, `false` if it can only fall.
     pub fn is_rising(self) -> bool {
         self != LawKind::Corner
     }
 
-    /// Returns how far apart abscissas of one point may be: by a length in core units, or by a part of
-    /// themselves.
+    /// Returns the largest difference between the abscissas of one point: the larger of a value in core units
+    /// and a part of the abscissa.
     pub fn apart(self) -> (f64, f64) {
         match self {
             LawKind::Corner => (2f64.to_radians(), 0.0),
@@ -39,7 +39,7 @@ impl LawKind {
     }
 }
 
-/// A place at which a law shows.
+/// One reading of a law at a place of the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LawEvent {
     /// An axis or a word; may be empty.
@@ -48,7 +48,7 @@ pub struct LawEvent {
     pub over: f64,
     /// Value, core units.
     pub value: f64,
-    /// `true` if the programmed feedrate limited the motion instead of the law, which then is no slower.
+    /// `true` if the programmed feedrate limited the motion; the law then allows at least this feedrate.
     pub is_at_feed: bool,
     /// Index of the run.
     pub run: usize,
@@ -82,9 +82,9 @@ pub struct LawEvents {
 pub enum Absence {
     /// The recording has no positions.
     NotRecorded,
-    /// The program has no place for it.
+    /// The program has no place at which the law could show.
     NotInProgram,
-    /// The programmed feedrate held everywhere.
+    /// The programmed feedrate limited the motion everywhere.
     AtFeed,
     /// At none of this number of places was the motion steady long enough for the sampling.
     Unsteady(usize),

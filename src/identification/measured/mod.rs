@@ -11,27 +11,28 @@
 //! | block time | length | time | in a chain of blocks that are all short and turn little |
 //! | wait | programmed wait | time at the place | one word alone at the place |
 //!
-//! A feedrate is the mean over a window W, as long as the noise σ of a position requires, and at a corner,
-//! where the feedrate ramps, the extrapolation of the two windows before it (and the two behind):
+//! A feedrate is the mean over a window W (s), as long as the noise σ (mm) of a position requires. At a
+//! corner, where the feedrate ramps, it is extrapolated from the two windows before the corner (and from the
+//! two behind):
 //!
 //! ```text
 //! v(t) = |p(t + W/2) − p(t − W/2)| / W,   W ≥ √2 σ / (0.02 F),   v_corner = v₁ + (v₁ − v₂)/(t₁ − t₂) · (t_corner − t₁)
 //! ```
 //!
-//! On a blend the tool is faster than where its ramps would meet: v_corner is no less than the mean over the
-//! window across the corner, less the W |v'| / 4 that ramps add to it.
+//! On a blend the tool is faster than the feedrate at which its ramps would meet: v_corner is at least the
+//! mean over the window across the corner, less W |v'| / 4, which the ramps add to that mean.
 //!
-//! F is the programmed feedrate times the ratio ρ of the run's plateaus to it, so that an override over the
-//! whole run is in ρ. If a dip by an override, a hold or a neighbouring stop keeps a block below ρ F, its
-//! corners count among those of short blocks, whose law is a lower bound. A corner, an arc or a block passed
-//! at ρ F does not show its law.
+//! F is the programmed feedrate, and ρ the ratio of the run's plateaus to it, which contains an override over
+//! the whole run. If a dip by an override, a hold or a neighbouring stop keeps a block below ρ F, its corners
+//! count among those of short blocks, whose law is a lower bound. A corner, an arc or a block passed at ρ F
+//! does not show its law.
 //!
 //! Events of similar abscissa form a point: mean, standard deviation, count. The curve through the points is
-//! the nearest monotone one (`curve`). The simulation of a machine is measured by the same code on its
-//! motion, sampled as the recording is (`simulated`), and its error is the mean and spread over the events in
-//! both.
+//! the nearest monotone one (`curve`). The same code measures the simulation of a machine on its motion,
+//! sampled like the recording (`simulated`). The error of the machine's law is the mean and spread of the
+//! differences over the events in both.
 //!
-//! Limits: a polled log of lines and feedrates shows waits alone. Corners of rapid moves are not read.
+//! Limits: a polled log of lines and feedrates shows only waits. Corners of rapid moves are not read.
 
 mod blocks;
 mod corners;
@@ -78,7 +79,7 @@ pub struct MeasuredLaw {
 pub struct LawError {
     /// Mean of simulated less measured values.
     pub mean: f64,
-    /// Their standard deviation.
+    /// Standard deviation of simulated less measured values.
     pub spread: f64,
     /// Number of events.
     pub count: usize,
@@ -96,7 +97,7 @@ pub struct Measured {
 /// Returns the laws that runs show, with those of the simulated machine.
 pub fn measure(machine: &Machine, runs: &[Run]) -> Measured {
     let mut found: BTreeMap<LawKind, LawEvents> = BTreeMap::new();
-    // The motion of the machine at each place, whatever limits it there.
+    // The simulated values at each place, including those limited by the programmed feedrate.
     let mut of_machine: BTreeMap<LawKind, BTreeMap<(usize, usize), f64>> = BTreeMap::new();
     for (index, run) in runs.iter().enumerate() {
         for (kind, own) in events(run) {

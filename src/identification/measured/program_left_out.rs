@@ -1,17 +1,19 @@
 //! The error of a calibrated machine on other programs, estimated by leaving out each program of the
 //! calibration.
 //!
-//! The parameters fitted to all programs are fitted again without one, and the error of that one's motion
-//! time is then an error that the fit did not see. With n such errors e and a prior of [`PRIOR_WEIGHT`] errors of
-//! the size [`USUAL_ERROR`], half of the range that contains nine of ten others is
+//! The parameters fitted to all programs are fitted again without one of them; the relative error e of the
+//! motion time of that program is then an error on a program unknown to the fit. From n such errors and a
+//! prior of [`PRIOR_WEIGHT`] errors of the size [`USUAL_ERROR`], half of the range that contains nine of ten
+//! other programs is
 //!
 //! ```text
 //! r = t(0.95, PRIOR + n) · s √(1 + 1/programs),     s² = (PRIOR · USUAL² + Σ e²) / (PRIOR + n)
 //! ```
 //!
-//! so that one program, which leaves nothing out, has the range that calibrations have shown elsewhere (see
-//! docs/diagnosis.md), and each further program moves it towards its errors. Sources: the predictive
-//! distribution of a normal mean of unknown variance, Gelman et al. 2013, Sect. 3.3; leaving out, Stone 1974.
+//! A calibration by one program, from which none can be left out, thus has the range that other calibrations
+//! have shown (see docs/diagnosis.md), and each further program moves the range towards its own errors.
+//! Sources: the predictive distribution of a normal mean of unknown variance, Gelman et al. 2013, Sect. 3.3;
+//! leaving out, Stone 1974.
 
 use crate::identification::comparison::compare;
 use crate::identification::fit::{FreeParameter, Run, Whitening, fit};
@@ -29,7 +31,7 @@ const NORMAL_QUANTILE_95: f64 = 1.645;
 const ROUGH_FTOL: f64 = 1e-2;
 
 /// Returns the calibration entries of a machine file: the possible error on other programs, and the features
-/// of these programs. `freed` are the fitted parameters, each with its value before the fit.
+/// of the programs of the runs. `freed` are the fitted parameters, each with its value before the fit.
 pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f64)]) -> CalibratedOn {
     let programs = programs(runs);
     let errors = left_out(machine, runs, freed, &programs);
@@ -42,11 +44,12 @@ pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f
     }
 }
 
-/// Mean velocities over this time are compared, s: noise of a micrometre moves them by less than 0.1 mm/s.
+/// Time over which velocities are averaged, s: noise of a micrometre changes the mean by less than 0.1 mm/s.
 const VELOCITY_WINDOW_S: f64 = 0.02;
 
-/// Returns the highest velocity of each axis in the runs that recorded positions, mm/s; `None` without such a run. A run without
-/// positions does not show how an axis reaches its velocity, so it says nothing about faster moves.
+/// Returns the highest velocity of each axis in the runs that recorded positions, mm/s; `None` without such a
+/// run. A run without positions does not show how an axis reaches its velocity, and so does not support
+/// faster moves.
 fn velocities(runs: &[Run]) -> Option<[f64; 3]> {
     let mut highest = [0.0f64; 3];
     let tracks: Vec<_> = runs.iter().filter_map(|run| run.alignment.track.as_ref()).collect();
@@ -74,7 +77,7 @@ fn programs(runs: &[Run]) -> Vec<Vec<usize>> {
     programs
 }
 
-/// Returns the relative error of each program's motion time on the machine fitted to all others.
+/// Returns the relative error of the motion time of each program on the machine fitted to all other programs.
 fn left_out(
     machine: &Machine,
     runs: &[Run],

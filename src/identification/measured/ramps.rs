@@ -4,7 +4,7 @@ use crate::identification::measured::events::{LawEvent, LawEvents};
 use crate::identification::measured::run_course::RunCourse;
 use crate::simulation::toolpath::{Curve, Motion};
 
-/// Part of a rapid's fastest feedrate below which a corner counts as a standstill.
+/// Part of the largest feedrate of a rapid below which a corner counts as a standstill.
 const STANDSTILL_RATIO: f64 = 0.1;
 
 /// Returns ramps up from a full stop, and down to one, on straight segments with a plateau.
@@ -31,7 +31,7 @@ pub fn ramps(course: &RunCourse) -> LawEvents {
 }
 
 /// Returns the durations of the rapids from standstill to standstill: each begins and ends at a full stop, or
-/// at a corner that is passed nearly as slowly.
+/// at a corner that the tool passes nearly at rest.
 pub fn rapids(course: &RunCourse) -> LawEvents {
     let mut found = LawEvents::default();
     let segments = &course.toolpath.segments;
@@ -59,7 +59,7 @@ pub fn rapids(course: &RunCourse) -> LawEvents {
     found
 }
 
-/// Returns the fastest feedrate of a segment, mm/s: the programmed one, or in rapid that of its fastest
+/// Returns the largest feedrate of a segment, mm/s: the programmed one, or in rapid that of its fastest
 /// window.
 fn speed_of(course: &RunCourse, segment: usize) -> Option<f64> {
     let mean = || {

@@ -1,8 +1,8 @@
 //! A recorded run along its path: times at places, and feedrates around them.
 //!
-//! A window has enough samples that the noise of two positions is the part [`MAX_WINDOW_NOISE_RATIO`] of the
-//! feedrate, and at least three. A plateau is three consecutive windows that agree to the part
-//! [`MAX_PLATEAU_DIFFERENCE_RATIO`].
+//! A window has at least three samples, and enough of them that the noise of two positions is at most the
+//! part [`MAX_WINDOW_NOISE_RATIO`] of the feedrate. A plateau consists of three consecutive windows whose
+//! feedrates agree to the part [`MAX_PLATEAU_DIFFERENCE_RATIO`].
 
 use std::ops::Range;
 
@@ -15,11 +15,11 @@ use crate::simulation::toolpath::{Curve, Motion, Toolpath};
 const MAX_WINDOW_NOISE_RATIO: f64 = 0.02;
 /// Least number of samples in a window.
 const MIN_SAMPLES: usize = 3;
-/// Longest window, s, unless it has the least number of samples: a longer one is too noisy to show anything.
+/// Longest window of more than the least number of samples, s: a longer one would blur the law.
 const MAX_WINDOW_S: f64 = 0.06;
 /// Largest relative difference of the windows of a plateau.
 const MAX_PLATEAU_DIFFERENCE_RATIO: f64 = 0.01;
-/// Part of the programmed feedrate from which on it counts as reached.
+/// Part of the programmed feedrate from which on the feedrate counts as reached.
 pub const MIN_REACHED_RATIO: f64 = 0.95;
 /// Distance from a place at which the tool has left it, in standard deviations of the noise.
 const MIN_LEFT_SIGMAS: f64 = 6.0;
@@ -30,7 +30,7 @@ pub struct RunCourse<'a> {
     pub toolpath: &'a Toolpath,
     /// Distance along the path before each segment, and at its end, mm.
     pub distances: Vec<f64>,
-    /// Recorded over programmed feedrate where nothing else limits it.
+    /// Recorded over programmed feedrate on plateaus, where no law limits it.
     pub ratio: f64,
     fixes: &'a [Fix],
     track: &'a Track,
@@ -107,8 +107,8 @@ impl<'a> RunCourse<'a> {
     }
 
     /// Returns the mean feedrate (mm/s) of a window at whose beginning (or end) the tool may rest, and the
-    /// time of its middle, s: of a position at rest only the first and the last sample are kept, and the time
-    /// between them does not count.
+    /// time of its middle, s. Of a position at rest only the first and the last sample are kept; the time
+    /// between them is excluded.
     fn mean_at_rest(&self, first: usize, window: usize, is_at_begin: bool) -> (f64, f64) {
         let (from, to) = (first, first + window);
         let longest = 1.5 * self.track.interval;
@@ -120,7 +120,7 @@ impl<'a> RunCourse<'a> {
         (way / lasts, middle)
     }
 
-    /// Returns the longest plateau of a segment that runs at about `feedrate`, mm/s; `None` if it has none.
+    /// Returns the longest plateau of a segment that runs at about `feedrate` (mm/s); `None` if it has none.
     pub fn plateau(&self, segment: usize, feedrate: f64) -> Option<SteadyPlateau> {
         let samples = self.samples(segment)?;
         let window = self.window(feedrate)?;
@@ -150,7 +150,7 @@ impl<'a> RunCourse<'a> {
         Some(SteadyPlateau { feedrate, window: window as f64 * self.track.interval, samples })
     }
 
-    /// Returns the fastest window of a segment programmed at `feedrate`, mm/s.
+    /// Returns the feedrate of the fastest window of a segment that runs at about `feedrate`, both mm/s.
     pub fn fastest(&self, segment: usize, feedrate: f64) -> Option<f64> {
         let samples = self.samples(segment)?;
         let window = self.window(feedrate)?;
@@ -165,8 +165,8 @@ impl<'a> RunCourse<'a> {
     }
 
     /// Returns the feedrate at the end of a segment (mm/s) that runs at about `feedrate`: the mean of the
-    /// extrapolations of the windows before it and behind it, but at least that of a window across it without
-    /// its ramps.
+    /// extrapolations of the windows before and behind the end, but at least the mean of the window across
+    /// it, less the contribution of ramps.
     pub fn at_end(&self, segment: usize, feedrate: f64) -> Option<f64> {
         let window = self.window(feedrate)?;
         let time = self.passed(self.distances[segment + 1])?;
@@ -184,7 +184,7 @@ impl<'a> RunCourse<'a> {
             [self.mean(first, window), self.mean(first + window, window)],
         ];
         let [before, after] = windows.map(|[near, far]| extrapolated(near, far).max(0.0));
-        // A blend is a curve: the tool passes the corner faster than either of its ramps would end.
+        // On a blend the tool passes the corner faster than the feedrate at which its ramps would end.
         let (across, _) = self.mean(sides[0].end - 1 - window / 2, window);
         let slope =
             windows.iter().map(|[near, far]| ((far.0 - near.0) / (far.1 - near.1)).abs()).sum::<f64>() / 2.0;
@@ -192,7 +192,7 @@ impl<'a> RunCourse<'a> {
         Some((0.5 * (before + after)).max(least))
     }
 
-    /// Returns when the tool passed a place, mm along the path, s.
+    /// Returns the time at which the tool passed the place at `distance` (mm along the path), s.
     pub fn passed(&self, distance: f64) -> Option<f64> {
         let fixes = &self.fixes;
         let is_within = fixes.first()?.distance < distance && distance <= fixes.last()?.distance;

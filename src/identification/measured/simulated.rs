@@ -1,5 +1,5 @@
-//! A machine and a run → the recording that this machine would leave: the motion of its drives at the stamps'
-//! interval, each sample at its place.
+//! A machine and a run → the recording that this machine would leave: the motion of its drives at the
+//! interval of the stamps, each sample with its place.
 
 use std::sync::Arc;
 

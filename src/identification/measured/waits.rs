@@ -1,8 +1,8 @@
 //! Waits: the time of the machine at each word that stops it.
 //!
-//! In a recording with positions it is the time between the last fix before the place and the first behind
-//! it, which includes the slow ends of the ramps, some milliseconds; in a log of lines the time between its
-//! line and the next.
+//! In a recording with positions the wait is the time between the last fix before the place and the first
+//! behind it, which includes some milliseconds at the slow ends of the ramps; in a log of lines it is the
+//! time from the line of the word to the next line.
 
 use crate::identification::alignment::{Method, ProgramPlace, visits};
 use crate::identification::effects;

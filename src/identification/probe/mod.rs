@@ -1,21 +1,24 @@
-//! Machine and two causes → [`Probe`]: a short program that distinguishes the causes.
+//! Machine and two causes → [`Probe`]: a short program that separates the causes.
 //!
-//! A machine with a cause at some value is a point: its recording on a snippet, in standard deviations of the
-//! noise. All values of a cause form a curve, here chords through its trials and a few points between. The
-//! separation of a cause at one value from another cause is the distance of its point from the other's curve,
+//! A machine with a cause at one value is a point: its recording on a snippet, in standard deviations of the
+//! noise. All values of a cause form a curve, approximated by chords through its trials and a few points
+//! between them. The separation of a cause at one value from another cause is the distance σ of the point w
+//! of the first from the curve of the other,
 //! ```text
 //! σ² = min_value Σ_snippets |w(cause) − w(other, value)|²
 //! ```
 //!
-//! so that the other cause is fitted to it (T-optimality: Atkinson and Fedorov 1975). A recording consists of
-//! times at places along the path, whitened as in `fit`, with the standard deviation [`STAMP_DEVIATION_S`] per
-//! mark; for a cause that affects only the form of the path, of positions at equal times without the common delay.
+//! which fits the other cause to the first (T-optimality: Atkinson and Fedorov 1975). A recording consists of
+//! times at places along the path, whitened as in `fit`, with the standard deviation [`STAMP_DEVIATION_S`]
+//! per mark; for a cause that affects only the form of the path, of positions at equal times without the
+//! common delay.
 //!
-//! Snippets are chosen greedily by separation per second, until every pair of variants (axes, rules), in both
-//! directions, is [`TARGET_SEPARATION_SIGMAS`] apart and `MIN_PROBE_S` s are filled, or [`MAX_PROBE_S`] s are
-//! used.
+//! Snippets are chosen greedily by separation per second. The choice ends when every pair of variants (axes,
+//! rules), in both directions, is [`TARGET_SEPARATION_SIGMAS`] apart and the probe lasts `MIN_PROBE_S`, or
+//! when it lasts [`MAX_PROBE_S`].
 //!
-//! Limits: a cause is tried at one middle strength; other parameters of the machine are taken as known.
+//! Limits: the first cause is tried at one middle strength; other parameters of the machine are assumed to be
+//! known.
 
 mod separation;
 mod snippets;
@@ -28,7 +31,7 @@ use crate::identification::effects::{self, Effect, Hypothesis, Trace, library};
 use crate::identification::probe::separation::{ProbeTrial, Separation, separations};
 use crate::machine::Machine;
 
-/// Separation that is aimed at, in standard deviations.
+/// Separation at which the choice of snippets ends, in standard deviations.
 pub const TARGET_SEPARATION_SIGMAS: f64 = 10.0;
 /// Least separation of a probe, in standard deviations.
 const MIN_SEPARATION_SIGMAS: f64 = 5.0;
@@ -66,7 +69,7 @@ pub enum ProbeError {
     /// Both ids are equal.
     #[error("both causes are {0}; give two different causes")]
     Same(String),
-    /// No program brings it out.
+    /// No program shows the cause.
     #[error("{id} cannot be probed: {why}")]
     Unprovoked {
         /// The cause.
@@ -74,21 +77,22 @@ pub enum ProbeError {
         /// Reason and alternative.
         why: &'static str,
     },
-    /// The machine does not have it, or hides it.
+    /// The machine does not have the cause, or hides it.
     #[error("{0} shows on no program within this machine's limits; check its values in the machine file")]
     Hidden(&'static str),
-    /// Both look alike on every snippet.
+    /// Both causes have the same effect on every snippet.
     #[error(
         "no program of {MAX_PROBE_S} s separates {0} from {1}: {2:.1} standard deviations; change one of the two on the machine and record again"
     )]
     Alike(&'static str, &'static str, f64),
 }
 
-/// Returns a short program that distinguishes two causes on a machine.
+/// Returns a short program that separates two causes on a machine.
 ///
 /// # Errors
 ///
-/// Returns an error if a cause is unknown, both are equal, or no program brings out one or separates the two.
+/// Returns an error if a cause is unknown, both are equal, no program shows one of them, or no program
+/// separates the two.
 ///
 /// # Examples
 ///
@@ -144,7 +148,7 @@ pub fn probe_between(machine: &Machine, causes: [&str; 2]) -> Result<Probe, Prob
     Ok(Probe { program, summary, seconds, separation: Some(separation) })
 }
 
-/// Returns a program that brings out every effect on a machine.
+/// Returns a program that shows every effect on a machine.
 pub fn probe_all(machine: &Machine) -> Probe {
     let bank = bank(machine);
     let lines: String = bank.iter().map(|snippet| snippet.lines.as_str()).collect();
@@ -159,7 +163,7 @@ pub fn probe_all(machine: &Machine) -> Probe {
     Probe { program: whole(&heads, &lines), summary, seconds, separation: None }
 }
 
-/// Returns the space that a program needs, for people.
+/// Returns a sentence on the space that a program needs.
 fn space() -> String {
     let [x, y, z] = SNIPPET_SPACE_MM;
     format!("Needs X0..{x} Y0..{y} Z0..{z} mm in air: no stock, no clamps")
@@ -176,7 +180,7 @@ fn whole(heads: &[String], lines: &str) -> String {
     format!("{heads}G21 G90 G94 G17\n{lines}M30\n")
 }
 
-/// Returns the effect with this id, if a program can bring it out.
+/// Returns the effect with this id if a program can show it.
 fn provoked(id: &str) -> Result<Effect, ProbeError> {
     let Some(effect) = effects::with_id(id) else {
         let distance = |effect: &&Effect| strsim::damerau_levenshtein(effect.id, id);
@@ -194,9 +198,10 @@ fn least(separations: &[Separation], chosen: &[usize]) -> f64 {
     separations.iter().map(|separation| separation.squared(chosen).sqrt()).fold(f64::INFINITY, f64::min)
 }
 
-/// Returns the snippets that separate most per second, chosen one after another, in their order in the bank.
+/// Returns the indices of the snippets that separate most per second, chosen one after another, in the order
+/// of the bank.
 fn chosen(separations: &[Separation], costs: &[f64]) -> Vec<usize> {
-    // Somewhat more than enough, as chords are not the curve.
+    // Above the target, as chords only approximate the curve.
     let goal = (1.5 * TARGET_SEPARATION_SIGMAS).powi(2);
     let score = |chosen: &[usize]| -> f64 {
         separations.iter().map(|separation| separation.squared(chosen).ln_1p()).sum()

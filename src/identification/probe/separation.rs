@@ -1,4 +1,5 @@
-//! Design points of a probe: the recording of a machine on a snippet, and the separation of two causes by it.
+//! Points of a probe: the recording of a machine on a snippet, and the separation of two causes by
+//! recordings.
 
 use std::sync::Arc;
 
@@ -26,7 +27,7 @@ const POSITION_NOISE_MM: f64 = 2e-3;
 const PROCESS_NOISE: f64 = 1e-3;
 /// Points of a curve between two trials.
 const POINTS_BETWEEN_TRIALS: usize = 3;
-/// Least displacement of the point on the whole bank by a visible cause, in standard deviations.
+/// Least distance by which a visible cause moves the point on the whole bank, in standard deviations.
 const MIN_VISIBLE_SIGMAS: f64 = 3.0;
 
 /// A snippet on the assumed machine, with the marks at which other machines are compared.
@@ -108,10 +109,10 @@ impl ProbeTrial {
         self.whitening.apply(&self.run().residuals(machine))
     }
 
-    /// Returns the positions at times on a machine, in standard deviations, weighted less along the base's
-    /// motion than across it.
+    /// Returns the positions at the compared times on a machine, in standard deviations, weighted less along
+    /// the motion of the assumed machine than across it.
     fn positions(&self, machine: &Machine) -> Vec<f64> {
-        // Drives change no command, and most parameters compared here belong to drives.
+        // Drives do not change the command, and most parameters compared by positions belong to drives.
         let other = (without_drives(machine) != self.undriven)
             .then(|| commanded(&self.toolpath, &simulate(&self.toolpath, machine)));
         let commanded = other.as_ref().unwrap_or(&self.commanded);
@@ -144,7 +145,7 @@ impl ProbeTrial {
     }
 }
 
-/// Returns the machine whose axes follow their command exactly.
+/// Returns the machine with axes that follow their command exactly.
 fn without_drives(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
     for axis in &mut machine.axes {
@@ -158,14 +159,14 @@ fn commanded(toolpath: &Toolpath, plan: &FeedPlan) -> Samples {
     Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 })
 }
 
-/// One cause at one value against all values of another: for each chord of the other's curve, and each
-/// snippet, |a|², a·b and |b|² of the differences a and b at its ends.
+/// One cause at one value against all values of another: for each chord of the other cause's curve, and each
+/// snippet, |a|², a·b and |b|² of the differences a and b at the ends of the chord.
 pub struct Separation {
     chords: Vec<Vec<[f64; 3]>>,
 }
 
 impl Separation {
-    /// Returns the squared distance of the point from the curve on these snippets together.
+    /// Returns the squared distance of the point from the curve on the `chosen` snippets together.
     pub fn squared(&self, chosen: &[usize]) -> f64 {
         let chord = |parts: &Vec<[f64; 3]>| {
             let [a, between, b] = chosen.iter().fold([0.0; 3], |sum, at| {
@@ -249,7 +250,8 @@ impl CauseCurve {
         CauseCurve { points, trials, is_continuous: hypothesis.is_continuous }
     }
 
-    /// Returns, of the visible trials, one a third of the way up from the weakest; `None` if none is visible.
+    /// Returns the trial at one third of the visible ones in the order of their strength; `None` if no trial
+    /// is visible.
     fn typical(&self, base: &[Vec<f64>]) -> Option<&Vec<Vec<f64>>> {
         let strength = |point: &Vec<Vec<f64>>| -> f64 {
             point.iter().zip(base).map(|(own, base)| product(own, base, own, base)).sum::<f64>().sqrt()
@@ -264,7 +266,8 @@ impl CauseCurve {
         seen.get(seen.len() / 3).map(|(_, at)| &self.points[*at])
     }
 
-    /// Returns a point of another cause against this curve and against no cause at all.
+    /// Returns the separation of a point of another cause from this curve, which includes the machine without
+    /// a cause.
     fn against(&self, truth: &[Vec<f64>], base: &[Vec<f64>]) -> Separation {
         let chord = |a: &[Vec<f64>], b: &[Vec<f64>]| -> Vec<[f64; 3]> {
             let each = truth.iter().zip(a.iter().zip(b));

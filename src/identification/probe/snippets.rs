@@ -11,9 +11,9 @@
 //! | M-code in motion, dwells | waits; the recorder's clock from an override |
 //! | reversals and sharp stops | play, vibration |
 //!
-//! Feedrates are parts of the fastest that every axis allows; lengths shrink with it, so that a slow machine
-//! takes no longer. Each snippet begins with a rapid to its start and ends with a dwell, so that the dynamics
-//! of one do not affect the next.
+//! Feedrates are parts of the largest feedrate that every axis allows; lengths shrink with it, so that a slow
+//! machine takes no longer. Each snippet begins with a rapid to its start and ends with a dwell, so that the
+//! dynamics of one do not affect the next.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::fmt::Write;
@@ -25,7 +25,7 @@ use crate::units::mm_per_min;
 pub const SNIPPET_SPACE_MM: [f64; 3] = [120.0, 120.0, 20.0];
 /// Fastest feedrate, mm/s: 8 m/min.
 const MAX_FEEDRATE_MM_S: f64 = 8000.0 / 60.0;
-/// Least length factor: below it coordinates of 0.1 µm show.
+/// Least length factor: below it the rounding of coordinates to 0.1 µm would be visible.
 const MIN_LENGTH_FACTOR: f64 = 0.02;
 /// Dwell between snippets, s.
 const SNIPPET_DWELL_S: f64 = 0.1;
@@ -35,7 +35,7 @@ const SNIPPET_DWELL_S: f64 = 0.1;
 pub struct Snippet {
     /// Name for people.
     pub name: String,
-    /// Lines, each with its end.
+    /// Lines, each with its line ending.
     pub lines: String,
 }
 
@@ -229,7 +229,7 @@ fn rapids(way: [f64; 3], size: f64) -> Snippet {
     writer.done(format!("rapid of X{} Y{} Z{}", way[0] * size, way[1] * size, way[2] * size))
 }
 
-/// Returns coolant on and off in the middle of a straight line, and the same line without.
+/// Returns coolant on and off in the middle of a straight line, and the same line without them.
 fn functions(feedrate: f64, size: f64) -> Snippet {
     let mut writer = SnippetWriter::new([20.0, 80.0, 10.0], size);
     writer.feedrate(feedrate);
@@ -242,7 +242,7 @@ fn functions(feedrate: f64, size: f64) -> Snippet {
     writer.done("coolant on and off in smooth motion")
 }
 
-/// Returns long waits beside a short move: a clock scales both, an override only the move.
+/// Returns long waits next to a short move: a clock scales both, an override only the move.
 fn dwells(size: f64) -> Snippet {
     let mut writer = SnippetWriter::new([20.0, 20.0, 10.0], size);
     writer.pause(2.0);
@@ -251,7 +251,7 @@ fn dwells(size: f64) -> Snippet {
     writer.done("dwells")
 }
 
-/// Returns each axis back and forth, with a rest at its turning points.
+/// Returns moves of each axis back and forth, with a rest at the turning points.
 fn reversals(feedrate: f64, size: f64) -> Snippet {
     let mut writer = SnippetWriter::new([40.0, 40.0, 5.0], size);
     writer.feedrate(feedrate);

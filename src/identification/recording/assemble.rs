@@ -1,8 +1,9 @@
 //! Signals of a reader → recordings: one channel per field, in core units, without missing values, with gaps;
 //! signals without motion are refused.
 //!
-//! Of several signals of one field the one with the most values is read. Samples farther apart than [`GAP`]
-//! usual steps have a gap between them; an event UNAVAILABLE begins a gap that ends with the next value.
+//! If a field has several signals, the one with the most values is read. Samples at least [`MIN_GAP_STEPS`]
+//! usual steps apart have a gap between them; an event UNAVAILABLE begins a gap that ends with the next
+//! value.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,10 +19,10 @@ use crate::identification::recording::{
 /// Step between samples from which there is a gap, in usual steps.
 const MIN_GAP_STEPS: f64 = 5.0;
 
-/// Largest override that is a ratio; above, it is in per cent.
+/// Largest override that counts as a ratio; larger ones are in per cent.
 const MAX_OVERRIDE_RATIO: f64 = 5.0;
 
-/// A column or item as a reader finds it.
+/// A column or item of a file.
 #[derive(Debug)]
 pub(super) struct Signal {
     pub(super) label: ChannelLabel,
@@ -57,7 +58,7 @@ pub(super) struct Capture {
     pub(super) signals: Vec<Signal>,
 }
 
-/// Returns a recording for each capture; captures without motion are named in a remark and left out.
+/// Returns a recording for each capture; a remark names captures without motion, which are left out.
 pub(super) fn recordings(
     captures: Vec<Capture>,
     remarks: &mut RecordingRemarks,
@@ -104,7 +105,7 @@ fn recording(capture: Capture, remarks: &mut RecordingRemarks) -> Result<Recordi
         signals.iter().filter_map(|signal| signal.time.first()).copied().fold(f64::INFINITY, f64::min);
     let last =
         signals.iter().filter_map(|signal| signal.time.last()).copied().fold(f64::NEG_INFINITY, f64::max);
-    // A stamp out of all proportion would make the others equal.
+    // Relative to an extreme stamp, others would become equal by rounding.
     let stays = |signal: &Signal| signal.time.windows(2).all(|pair| pair[0] - first < pair[1] - first);
     if let Some(lost) = signals.iter().find(|signal| !stays(signal)) {
         let name = &lost.label.name;
@@ -177,7 +178,7 @@ fn points_as_axes(signals: Vec<Signal>) -> Vec<Signal> {
     split
 }
 
-/// Refuses a recording whose motion is constant, and names single constant columns.
+/// Refuses a recording whose motion is constant, and adds a remark on single constant columns.
 fn nothing_moves(signals: &[Signal], remarks: &mut RecordingRemarks) -> Result<(), RecordingError> {
     let mut constant = Vec::new();
     let mut moving = 0;
@@ -218,7 +219,7 @@ fn nothing_moves(signals: &[Signal], remarks: &mut RecordingRemarks) -> Result<(
 struct ChannelBuilder<'a> {
     /// The stamp that becomes 0.
     first: f64,
-    /// Time vectors before and after the shift, so that columns of a table continue to share one.
+    /// Time vectors before and after the shift, so that the columns of a table continue to share one vector.
     shifted: Vec<[Arc<[f64]>; 2]>,
     /// The time vector whose gaps were last remarked on.
     gaps_of: Option<Arc<[f64]>>,
@@ -263,7 +264,7 @@ impl ChannelBuilder<'_> {
         shifted
     }
 
-    /// Returns a channel of the values that `of` finds, and the number of values that it does not understand.
+    /// Returns a channel of the values that `of` returns, and the number of values that it cannot read.
     fn channel<V>(&mut self, signal: &Signal, of: impl Fn(usize) -> Option<V>) -> (Channel<V>, usize) {
         let all = self.shifted(&signal.time);
         let values: Vec<Option<V>> = (0..all.len()).map(of).collect();
@@ -320,7 +321,8 @@ impl ChannelBuilder<'_> {
         Some(channel)
     }
 
-    /// Returns the unit of a channel whose values are as in the file.
+    /// Returns the unit of a channel whose values are still as in the file, and adds a remark if the file
+    /// states none.
     fn scale(&mut self, field: ChannelField, label: &ChannelLabel, channel: &Channel<f64>) -> ChannelUnit {
         let assumed = |remarks: &mut RecordingRemarks, unit: LogUnit| {
             remarks.info(Some(&label.name), format!("no unit stated: taken to be in {}", unit.symbol));
@@ -363,7 +365,7 @@ impl ChannelBuilder<'_> {
         let signal = self.take(signals, field)?;
         let SignalData::Texts(texts) = &signal.data else { return None };
         let clean = |text: &str| match number(text, false) {
-            // Adapters that know only numbers write tools as 21.000000.
+            // Adapters that write only numbers write tools as 21.000000.
             CellContent::Number(value) if field == ChannelField::Tool && value.fract() == 0.0 => {
                 format!("{value:.0}")
             }

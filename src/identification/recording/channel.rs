@@ -1,14 +1,14 @@
 //! One recorded quantity over time.
 //!
 //! Every channel has ascending stamps. The columns of a table share one vector (`Arc`). Logs written on
-//! change have one per channel, because an event says when *this* item changed and nothing about the others:
-//! a common grid would invent samples for the one or lose stamps of the other. Between stamps
+//! change have one vector per channel, because an event states when one item changed and nothing about other
+//! items: a common grid would invent samples of some items or lose stamps of others. Between stamps
 //! ```text
 //! sampled      value(t) runs straight from sample to sample
 //! on change    value(t) = value of the last event at or before t
 //! ```
 //!
-//! and within a gap the value is unknown. Missing values are left out, so all values are finite.
+//! and within a gap the value is unknown. Missing values are left out, so that all values are finite.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -29,7 +29,7 @@ pub enum Sampling {
 pub enum ChannelUnit {
     /// The file states this unit; values are in core units.
     Stated(LogUnit),
-    /// The file states none; values are as in the file, in one of these units.
+    /// The file states no unit; values are as in the file, in one of these units.
     Unstated(&'static [LogUnit]),
     /// Words and counts have no unit.
     Unitless,
@@ -40,9 +40,9 @@ pub enum ChannelUnit {
 pub struct Channel<V> {
     /// Name in the file.
     pub name: String,
-    /// The way in which it was written.
+    /// The way in which the channel was written.
     pub sampling: Sampling,
-    /// Its unit.
+    /// Unit of the values.
     pub unit: ChannelUnit,
     /// Stamps, s from the start of the recording; strictly ascending.
     pub time: Arc<[f64]>,
@@ -120,7 +120,7 @@ impl Channel<f64> {
         Some(self.values.iter().fold((first, first), |(low, high), v| (low.min(*v), high.max(*v))))
     }
 
-    /// Returns the channel with its values taken as `unit`, if the file states none.
+    /// Returns the channel with its values converted from `unit` if the file states no unit.
     pub fn assuming(mut self, unit: LogUnit) -> Channel<f64> {
         if let ChannelUnit::Unstated(_) = self.unit {
             self.values.iter_mut().for_each(|value| *value *= unit.factor);

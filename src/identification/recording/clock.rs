@@ -127,8 +127,8 @@ const RESTART_ROWS: usize = 4;
 
 /// Longest time without a row within one recording, s.
 const MAX_GAP_S: f64 = 86_400.0;
-/// Longest time without a row within one recording, in usual steps, so that a wrong unit of time does not
-/// make a recording of every row.
+/// Longest time without a row within one recording, in usual steps: with a wrong unit of time, [`MAX_GAP_S`]
+/// alone would divide the file into one recording per row.
 const MAX_GAP_STEPS: f64 = 1e6;
 
 /// Sorts a table's `stamps` (NaN if missing) into recordings; `line(row)` is the line of a row, and `same(a,
@@ -172,7 +172,7 @@ pub(super) fn split_recordings(
                 current.push(row, time);
             }
         } else if before_last.is_some_and(|before| before < time) {
-            // The sample before jumped ahead.
+            // The previous sample jumped ahead.
             dropped.add(line(*current.rows.last().expect("two were kept")));
             *current.rows.last_mut().expect("two were kept") = row;
             *current.time.last_mut().expect("two were kept") = time;
@@ -218,7 +218,7 @@ fn starts_again(stamps: &[f64], rows: &[usize], last: f64) -> bool {
     rows.windows(2).all(|pair| stamps[pair[0]] <= stamps[pair[1]]) && first < end && end <= last
 }
 
-/// Spreads equal stamps evenly up to the next; the last group continues at the pace before it.
+/// Spreads equal stamps evenly up to the next stamp, and the last group at the pace before it.
 fn spread_equal(time: &mut [f64]) -> usize {
     let mut moved = 0;
     let mut step = 0.0;
@@ -245,8 +245,8 @@ fn spread_equal(time: &mut [f64]) -> usize {
 /// Largest delay of a late event against the latest one, s.
 const MAX_LATENESS_S: f64 = 2.0;
 
-/// Splits the `stamps` of lines of events where time starts again. Late lines keep their place (channels sort
-/// their stamps); a stray old stamp is dropped.
+/// Splits the `stamps` of lines of events where time restarts. Late lines keep their place, as channels sort
+/// their stamps; a stray old stamp is dropped.
 pub(super) fn split_event_recordings(
     stamps: &[f64],
     line: impl Fn(usize) -> usize,
@@ -310,7 +310,7 @@ pub(super) fn split_event_recordings(
     Ok(stretches)
 }
 
-/// The number of faults of one kind and the line of the first.
+/// The number of faults of one kind, and the line of the first fault.
 #[derive(Default)]
 struct FaultCount {
     count: usize,

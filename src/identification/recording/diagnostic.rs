@@ -1,7 +1,8 @@
 //! Messages on a log: remarks on repairs and assumptions, and reasons to refuse it.
 //!
-//! A log is repaired if at most one sample in a hundred is concerned and the repair can be named; anything
-//! beyond is refused, because a guess about the time axis looks plausible in every later stage.
+//! A log is repaired if the fault concerns at most one sample in a hundred and a remark can name the repair;
+//! other logs are refused, because a wrong guess about the time axis would look plausible in every later
+//! stage.
 
 use std::collections::HashSet;
 use thiserror::Error;
@@ -9,7 +10,7 @@ use thiserror::Error;
 /// The severity of a remark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum RecordingSeverity {
-    /// An observation or assumption without consequences.
+    /// An observation or assumption that changes no value.
     Info,
     /// A repair or omission.
     Warning,
@@ -20,7 +21,7 @@ pub enum RecordingSeverity {
 pub struct RecordingRemark {
     /// Severity.
     pub severity: RecordingSeverity,
-    /// Line of the file, counted from 1; `None` if it has none.
+    /// Line of the file, counted from 1; `None` if the remark has no line.
     pub line: Option<usize>,
     /// Name of the column or item, if the remark concerns one.
     pub column: Option<String>,
@@ -104,9 +105,9 @@ pub enum RecordingError {
         "line {line}: time goes back or repeats {count} times in {of} samples, so the order of the rows is unreliable"
     )]
     TimeDisorder {
-        /// Line of the first such step.
+        /// Line of the first step back or repetition.
         line: usize,
-        /// Number of such steps.
+        /// Number of steps back and repetitions.
         count: usize,
         /// Samples in the file.
         of: usize,

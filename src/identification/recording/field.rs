@@ -1,14 +1,14 @@
 //! The field of a column or item, identified by its name.
 //!
-//! A name is cut into words at everything that is not a letter or digit and where capitals begin,
-//! so that `act_pos_x`, `ActPosX` and `X actual position [mm]` are the same words; a unit in
-//! brackets or at the end is taken off first. The words are those of controls, of MTConnect and of
-//! the people who write exports, in English and German. Names of Okuma's and Hurco's MTConnect
-//! adapters, Heidenhain's scope (`x_s_actual`: s position, v speed) and Siemens' recorders
-//! (`DES_POS|1`) are known as such.
+//! A unit in brackets or at the end is removed from the name first. The rest is divided into words at
+//! everything that is not a letter or digit and where capitals begin, so that `act_pos_x`, `ActPosX` and `X
+//! actual position [mm]` have the same meaning. The words are those of controls, of MTConnect and of the
+//! people who write exports, in English and German. Names of Okuma's and Hurco's MTConnect adapters,
+//! Heidenhain's scope (`x_s_actual`: s position, v speed) and Siemens' recorders (`DES_POS|1`) are recognised
+//! as a whole.
 //!
 //! Not read: loads, torques, currents, accelerations, speeds of single axes, feed per revolution, rotary
-//! axes, machine coordinates beside work coordinates. They are named in a remark.
+//! axes, machine coordinates in addition to work coordinates. A remark names such columns.
 
 use crate::identification::recording::unit::{Dimension, LogUnit};
 
@@ -19,7 +19,7 @@ pub enum LoopSide {
     Commanded,
     /// The motion of the drives.
     Actual,
-    /// The file does not say.
+    /// The file does not state the side.
     Unstated,
 }
 
@@ -79,7 +79,7 @@ impl ChannelField {
         )
     }
 
-    /// Returns the dimension of its unit; `None` if it has no unit.
+    /// Returns the dimension of the field's unit; `None` if it has no unit.
     pub(super) fn dimension(self) -> Option<Dimension> {
         match self {
             ChannelField::Time => Some(Dimension::Time),
@@ -92,7 +92,7 @@ impl ChannelField {
     }
 }
 
-/// The name of a column, with its meaning.
+/// The name of a column with its field and unit.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ChannelLabel {
     /// Name in the file.
@@ -122,7 +122,7 @@ impl ChannelLabel {
         if let (Some(field), Some(unit)) = (label.field, label.unit)
             && field.dimension().is_some_and(|dimension| dimension != unit.dimension)
         {
-            // An axis in degrees is a rotary axis; a line number has no unit that could contradict.
+            // A unit of another dimension excludes the field: an axis in degrees is a rotary axis.
             label.field = None;
         }
         label
@@ -291,12 +291,12 @@ const OVERRIDE_WORDS: &[&str] =
 struct NameWords(Vec<String>);
 
 impl NameWords {
-    /// Returns `true` if one of these is among them.
+    /// Returns `true` if the name contains a word of the list.
     fn has(&self, list: &[&str]) -> bool {
         self.0.iter().any(|word| list.contains(&word.as_str()))
     }
 
-    /// Returns `true` if there is one word, and it is one of these.
+    /// Returns `true` if the name is a single word of the list.
     fn only(&self, list: &[&str]) -> bool {
         self.0.len() == 1 && self.has(list)
     }
@@ -336,7 +336,7 @@ fn field_of(name: &str) -> Option<ChannelField> {
     if words.has(&["spindle", "s1speed", "rpm", "spindel", "drehzahl", "s1", "rotaryvelocity"])
         && words.has(&["speed", "rpm", "s1speed", "velocity", "drehzahl", "rotaryvelocity"])
     {
-        // A commanded value is no speed of the spindle.
+        // A commanded value is not the actual speed of the spindle.
         return (side != LoopSide::Commanded).then_some(ChannelField::SpindleSpeed);
     }
     motion(&words, side)
@@ -443,7 +443,7 @@ fn vendor(name: &str) -> Option<Option<ChannelField>> {
     if lower.ends_with("actm") && lower.len() <= 7 {
         return Some(None);
     }
-    // Adapters name what belongs to a path `p` or `p1`, in one word with the item.
+    // Adapters put the path, `p` or `p1`, before the item, in one word.
     let bare = lower
         .strip_prefix('p')
         .map_or(lower.as_str(), |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()));

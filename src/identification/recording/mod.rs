@@ -1,4 +1,4 @@
-//! Bytes of a machine log → [`Recording`]: what the control did, over time, in core units.
+//! Bytes of a machine log → [`Recording`]: the recorded quantities over time, in core units.
 //!
 //! ```text
 //! bytes ── text ──▶ characters ── sniffed by content ──▶ reader of one format ──▶ signals ── assemble ──▶ Log
@@ -16,13 +16,14 @@
 //! | SINUMERIK data recorder JSON | `siemens_recorder` |
 //! | Beckhoff TwinCAT Scope CSV | `beckhoff` |
 //!
-//! A log is not changed: nothing is resampled, interpolated or smoothed. Every channel has its stamps (see
-//! [`Channel`]), so a table at 1 kHz and an event log that names the line five times a second have one type.
-//! One file may contain several recordings (their clocks do not compare), and a recording several runs of
-//! programs (ranges of one clock); both are kept separate.
+//! Reading does not resample, interpolate or smooth a log. Every channel has its own stamps (see
+//! [`Channel`]), so that a table at 1 kHz and an event log that records the line five times a second have the
+//! same type. One file may contain several recordings (their clocks are unrelated), and a recording several
+//! runs of programs (ranges of one clock); all are kept separate.
 //!
-//! Stated units are converted. Without a stated unit the values remain as in the file and name their
-//! candidates; [`check_unit`] selects one by the length of the path. The cost is linear in the size of the file.
+//! Stated units are converted. Without a stated unit the values remain as in the file, with a list of
+//! possible units; [`check_unit`] selects one by the length of the path. The time is linear in the size of
+//! the file.
 //!
 //! A log may be packed by gzip, or as the only file of a ZIP archive.
 //!
@@ -67,7 +68,7 @@ use crate::identification::recording::unit::LogUnit;
 pub struct ReadingOptions {
     /// Time between rows of a table without a time column, s.
     pub interval: Option<f64>,
-    /// Unit of a time column that states none.
+    /// Unit of a time column without a stated unit.
     pub time_unit: Option<LogUnit>,
     /// Names of the columns of a table without names.
     pub columns: Option<Vec<String>>,
@@ -78,7 +79,7 @@ pub struct ReadingOptions {
 pub struct Log {
     /// Kind of the file, for people.
     pub format: &'static str,
-    /// Recordings in the order of the file; at least one. Time starts again in each.
+    /// Recordings in the order of the file; at least one. Time restarts in each.
     pub recordings: Vec<Recording>,
     /// Repairs, assumptions and omissions.
     pub remarks: RecordingRemarks,
@@ -90,7 +91,7 @@ pub type Axes = [Option<Channel<f64>>; 3];
 /// A part of a log under one clock.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
-    /// When it began, ns since 1970 (UTC where the file says so), if stamps are dates.
+    /// Beginning of the recording, ns since 1970 (UTC if the file states so); `None` if stamps are not dates.
     pub started: Option<i64>,
     /// Time from the first stamp to the last, s.
     pub duration: f64,
@@ -102,7 +103,7 @@ pub struct Recording {
     pub actual_is_stated: bool,
     /// Speed along the path, mm/s.
     pub feed: Option<Channel<f64>>,
-    /// Speed along the path as commanded, mm/s.
+    /// Commanded speed along the path, mm/s.
     pub commanded_feed: Option<Channel<f64>>,
     /// Line or block number as the control counts them.
     pub line: Option<Channel<u32>>,
@@ -146,7 +147,7 @@ pub struct RecordingRun {
     pub time: Range<f64>,
     /// Name of the program, if it was recorded.
     pub program: Option<String>,
-    /// The mark that separates it from other runs.
+    /// The mark that separates the run from others.
     pub found_by: RunMark,
     /// `true` if its start was recorded.
     pub has_start: bool,
@@ -163,7 +164,7 @@ pub enum RunMark {
     Program,
     /// The line number starts again.
     Line,
-    /// None: the run is the whole recording.
+    /// No mark: the run is the whole recording.
     Whole,
 }
 
@@ -171,7 +172,7 @@ pub enum RunMark {
 ///
 /// # Errors
 ///
-/// Returns an error if it is in no known format, or if it has more faults than can be repaired.
+/// Returns an error if the format is unknown, or if the log has more faults than can be repaired.
 ///
 /// # Examples
 ///
@@ -194,7 +195,7 @@ pub fn read(bytes: &[u8]) -> Result<Log, RecordingError> {
 ///
 /// # Errors
 ///
-/// As [`read`].
+/// Returns the errors of [`read`].
 pub fn read_with(bytes: &[u8], options: &ReadingOptions) -> Result<Log, RecordingError> {
     let text = text::decode(&packed::unpacked(bytes)?)?;
     let mut remarks = RecordingRemarks::default();
@@ -248,7 +249,8 @@ impl Recording {
         }
     }
 
-    /// Returns the recording with the unit that passed the check on channels without a stated unit.
+    /// Returns the recording with its channels without a stated unit converted from the unit that passed the
+    /// check.
     pub fn settled(self, check: &UnitCheck) -> Recording {
         let unit = check.unit;
         let settle = |channel: Option<Channel<f64>>| channel.map(|channel| channel.assuming(unit));

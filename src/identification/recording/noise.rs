@@ -4,8 +4,9 @@
 const SMALLER_HALF_RMS_SIGMAS: f64 = 0.3776;
 
 /// Returns the standard deviation of the noise of a column, from its second differences: without acceleration
-/// they are noise, √6 times as large. Only the smaller half of them counts, so that ramps change nothing as long as
-/// they take less than half of the samples; 0 if half of them are 0, as at rest or in steady motion without noise.
+/// these are noise, √6 times as large. Only the smaller half of the differences counts, so that ramps have no
+/// influence if they take less than half of the samples. The result is 0 if half of the differences are 0, as
+/// at rest or in steady motion without noise.
 pub fn noise(column: &[f64]) -> f64 {
     let mut differences: Vec<f64> = column.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
     let half = differences.len() / 2;

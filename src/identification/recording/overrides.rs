@@ -47,7 +47,7 @@ fn steady(channel: &Option<Channel<f64>>, range: &Range<f64>) -> SwitchCourse {
         return SwitchCourse::NotRecorded;
     };
     match own.values.split_first() {
-        // At 0 the machine is at rest; that is a feed hold and no ratio.
+        // At 0 the machine is at rest, which is a feed hold instead of a ratio.
         None => SwitchCourse::NotRecorded,
         Some((first, rest)) if 0.0 < *first && rest.iter().all(|value| value == first) => {
             SwitchCourse::At(*first)

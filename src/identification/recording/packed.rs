@@ -1,7 +1,7 @@
 //! Packed logs → the bytes inside: gzip, and ZIP archives of one file.
 //!
 //! A ZIP archive is read by the directory at its end; folders and files that systems add (`__MACOSX/`,
-//! `.DS_Store`) do not count. Left out: ZIP64, encryption, and methods other than stored and deflated.
+//! `.DS_Store`) are ignored. Not read: ZIP64, encryption, and methods other than stored and deflated.
 //!
 //! Sources: RFC 1952; PKWARE's APPNOTE.TXT, sections 4.3.7, 4.3.12 and 4.3.16.
 
@@ -12,9 +12,9 @@ use flate2::read::{DeflateDecoder, MultiGzDecoder};
 
 use crate::identification::recording::RecordingError;
 
-/// Most bytes of an unpacked log, and most of them per packed byte: rows of numbers shrink to a hundredth at
-/// best.
+/// Most bytes of an unpacked log.
 const MAX_UNPACKED_BYTES: u64 = 1 << 30;
+/// Most unpacked bytes per packed byte: rows of numbers shrink to a hundredth at best.
 const MAX_UNPACKED_RATIO: u64 = 300;
 
 const GZIP_BEGINNING: &[u8] = b"\x1f\x8b";
@@ -57,7 +57,7 @@ pub(super) fn unpacked(bytes: &[u8]) -> Result<Cow<'_, [u8]>, RecordingError> {
 }
 
 /// Returns `true` if a file that begins with `head` is a packed log. The name of the first file identifies an
-/// archive, so that nothing is unpacked. A program is never read from gzip.
+/// archive without unpacking it. Programs are never packed by gzip.
 pub fn is_packed_log(head: &[u8]) -> bool {
     head.starts_with(GZIP_BEGINNING)
         || number(head, 26, 2)
@@ -95,8 +95,8 @@ fn only_file(bytes: &[u8]) -> Result<Cow<'_, [u8]>, RecordingError> {
     }
 }
 
-/// Returns all files of a ZIP archive with their names, including folders; together no more than one packed
-/// log may contain.
+/// Returns all files of a ZIP archive with their names, including their folders. Their total size is limited
+/// to that of one packed log.
 ///
 /// # Errors
 ///

@@ -5,9 +5,9 @@
 //!                 └───────────── a run ─────────────────────────┘ └── the next
 //! ```
 //!
-//! Without a status the program's name separates runs, and without a name a line number that has come near
-//! its largest value and starts again from the first. A loop or subprogram also goes back, but not from the
-//! end to the beginning. Ranges may leave parts of the recording in no run.
+//! Without a status the program's name separates runs; without a name a line number does that comes near its
+//! largest value and then returns to the first. Loops and subprograms also return to earlier lines, but not
+//! from the end to the beginning. Parts of the recording may belong to no run.
 
 use crate::identification::recording::{Channel, Recording, RecordingRun, RunMark, Status};
 
@@ -114,7 +114,7 @@ fn by_program(program: &Channel<String>, duration: f64) -> Vec<RecordingRun> {
         });
     }
     if let Some(first) = runs.first_mut() {
-        // The same program is assumed to run before its first mention.
+        // The same program is assumed to run before its name first occurs.
         first.time.start = 0.0;
     }
     runs.retain(|run| run.time.start < run.time.end);

@@ -1,8 +1,8 @@
-//! Bytes → machine log or G-code program, by the first of them.
+//! The first bytes of a file → machine log or G-code program.
 //!
 //! A log is XML, JSON, events with stamps or rows of numbers; a line of a program begins with a letter, a
-//! number and a letter, or a remark, and has no second number in a row without a letter before it. Anything
-//! else, such as an empty or a binary file, counts as a program, whose reader reports the fault.
+//! number and a letter, or a remark, and has no second number in a row without a letter before it. Any other
+//! file, such as an empty or a binary one, counts as a program, whose reader reports the fault.
 
 use crate::identification::recording::formats::{beckhoff, events};
 use crate::identification::recording::packed;

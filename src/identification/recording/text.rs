@@ -1,13 +1,13 @@
 //! Bytes → text, and cells → numbers.
 //!
-//! Encodings: UTF-8, UTF-16 with a byte order mark, and otherwise Latin-1, in which every byte is
-//! a character, so that decoding never fails. Numbers: decimal point or comma, exponent, blanks
-//! around; no thousands separators, because `1,234` would mean two things.
+//! Encodings: UTF-8, UTF-16 with a byte order mark, and otherwise Latin-1, in which every byte is a
+//! character, so that decoding never fails. Numbers: decimal point or comma, exponent, blanks around; no
+//! thousands separators, because `1,234` would be ambiguous.
 
 use crate::identification::recording::RecordingError;
 use crate::simulation::gcode::characters;
 
-/// First bytes of files that people drop by mistake or still have to unpack.
+/// First bytes of files that users drop by mistake or have to unpack first, with a description.
 const FOREIGN_BEGINNINGS: &[(&[u8], &str)] = &[
     (b"\x78\x9c", "zlib-compressed (Klipper's motan logs are); it is not read"),
     (b"\x78\xda", "zlib-compressed (Klipper's motan logs are); it is not read"),
@@ -34,9 +34,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<String, RecordingError> {
     if text.trim().is_empty() {
         return Err(RecordingError::Empty);
     }
-    // Line ends of old recorders; all further readers expect `
-    // ` and `\r
-    // `.
+    // Old recorders end lines with `\r` alone; all readers expect `\n` or `\r\n`.
     let text = if text.contains('\n') { text } else { text.replace('\r', "\n") };
     let control =
         text.chars().filter(|c| c.is_control() && !matches!(c, '\n' | '\r' | '\t' | '\u{c}')).count();
@@ -67,7 +65,7 @@ pub(super) enum CellContent {
 /// every conversion.
 const MAX_NUMBER: f64 = 1e30;
 
-/// Returns `true` if a machine may record `value`.
+/// Returns `true` if `value` is small enough for a recorded number.
 pub(super) fn is_plausible(value: f64) -> bool {
     value.abs() <= MAX_NUMBER
 }
@@ -87,7 +85,7 @@ pub(super) fn number(text: &str, comma: bool) -> CellContent {
     if is_missing(text) {
         return CellContent::Missing;
     }
-    // `parse` also takes words such as `infinity`, which are no decimals of a file.
+    // `parse` also accepts words such as `infinity`, which are not numbers in a file.
     if !text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'+' | b'-' | b'.' | b',' | b'e' | b'E')) {
         return CellContent::Other;
     }

@@ -1,12 +1,12 @@
-//! Units a log can be written in, found in names (`feed_mm_min`), in brackets (`Time [ms]`) or in
-//! a separate row, and their conversion to core units:
+//! The units of logs, stated in names (`feed_mm_min`), in brackets (`Time [ms]`) or in a separate row, and
+//! their conversion to core units:
 //!
 //! ```text
 //! value in core units = factor · value in the file      (s, mm, mm/s, rad, rad/s, ratio)
 //! ```
 //!
 //! Without a stated unit a value remains as in the file and carries its possible units; the unit check
-//! selects one. Left out: temperatures, loads, accelerations.
+//! selects one. Not read: temperatures, loads, accelerations.
 
 use std::f64::consts::{PI, TAU};
 
@@ -36,7 +36,7 @@ pub struct LogUnit {
     pub symbol: &'static str,
     /// Dimension.
     pub dimension: Dimension,
-    /// Core units in one of it.
+    /// Number of core units in one unit.
     pub factor: f64,
 }
 
@@ -156,7 +156,7 @@ const SPELLINGS: &[(&str, LogUnit)] = &[
 
 impl LogUnit {
     /// Returns the unit written as `text`, such as `mm/min`, `mm_per_min`, `[ms]` or `mm (Length)`; `None` if
-    /// it is none.
+    /// `text` is not a unit.
     pub fn parse(text: &str) -> Option<LogUnit> {
         let text = text.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
         let text = text.split([' ', '(']).next().unwrap_or("").to_lowercase();

@@ -5,18 +5,18 @@
 //! factor · ∫ v dt = L,   factor of a unit: 1/60 mm/min, 1 mm/s, 25.4/60 inch/min, 1000/60 m/min …
 //! ```
 //!
-//! The factor of a stated unit must be 1 within [`MAX_LENGTH_DIFFERENCE_RATIO`]; without a stated unit, the factor of a
-//! candidate. If another known factor fits, the refusal names it, because it is the likely mistake. Factors
-//! are at least half as much again apart, so that no two of them fit.
+//! The factor of a stated unit must be 1 within [`MAX_LENGTH_DIFFERENCE_RATIO`]; without a stated unit it
+//! must be that of a candidate. If another known factor fits, the error names it as the likely mistake.
+//! Factors differ by at least a factor of 1.5, so that no two of them fit.
 //!
-//! Both lengths must belong to one motion. If the machine also moves home and to its tool changer, which no
-//! program shows, the whole run is longer than the path (by half on a small part); [`check_unit_on_lines`] compares
-//! only the lines that cut. Lag shortens recorded positions and vibration lengthens them, by some 10 % each
-//! in bad cases, which is why the tolerance is not finer; the ratio is returned for stages with stricter
-//! limits.
+//! Both lengths must belong to one motion. If the machine also moves home and to its tool changer, which is
+//! not in the program, the whole run is longer than the path (by half on a small part);
+//! [`check_unit_on_lines`] compares only the lines that cut. Lag shortens recorded positions and vibration
+//! lengthens them, by about 10 % each in bad cases, so that the tolerance cannot be finer; the ratio is
+//! returned for stages with stricter limits.
 //!
-//! The length of noisy positions is measured in steps of [`MIN_STEP_SIGMAS`] standard deviations of the noise σ,
-//! estimated from second differences: summing sample by sample would add some 1.6 σ per sample.
+//! The length of noisy positions is measured in steps of [`MIN_STEP_SIGMAS`] standard deviations of the noise
+//! σ, estimated from second differences: a sum over all samples would be too long by about 1.6 σ per sample.
 
 use std::ops::Range;
 use thiserror::Error;
@@ -63,7 +63,7 @@ pub enum UnitCheckError {
     /// The path has no length.
     #[error("the path has no length to compare with")]
     NoPath,
-    /// Wrong by a factor between units.
+    /// The length is wrong by the factor between two units.
     #[error(
         "`{name}` in {unit} gives {length:.1} mm for a path of {path:.1} mm; it would fit with a factor of {factor:.6}{}", .instead.map(|unit| format!(", that is in {}", unit.symbol)).unwrap_or(", as from a wrong unit of time".to_owned())
     )]
@@ -81,7 +81,7 @@ pub enum UnitCheckError {
         /// Unit with that factor, if it has a name.
         instead: Option<LogUnit>,
     },
-    /// Wrong by another factor.
+    /// The length is wrong by another factor.
     #[error(
         "`{name}` gives {length:.1} mm for a path of {path:.1} mm in {unit}; no unit explains a ratio of {ratio:.4}: this is another program, or a part of the run is missing"
     )]
@@ -99,22 +99,22 @@ pub enum UnitCheckError {
     },
 }
 
-/// Checks the feed (or the positions, if no feed was recorded) against a path of `path` mm, which must be the
-/// one that the recording covers.
+/// Checks the feed (or the positions, if no feed was recorded) against the length `path` (mm) of the part of
+/// the program that the recording covers.
 ///
 /// # Errors
 ///
-/// Returns an error if neither was recorded, or its length differs from the path.
+/// Returns an error if neither was recorded, or if the length differs from that of the path.
 pub fn check_unit(recording: &Recording, path: f64) -> Result<UnitCheck, UnitCheckError> {
     let has_feed = recording.feed.is_some() || recording.commanded_feed.is_some();
     check_unit_by(if has_feed { Measure::Feed } else { Measure::Positions }, recording, path)
 }
 
-/// Checks the feed or the positions against a path of `path` mm.
+/// Checks the feed or the positions against a path of the length `path` (mm).
 ///
 /// # Errors
 ///
-/// Returns an error if it was not recorded, or its length differs from the path.
+/// Returns an error if the quantity was not recorded, or if the length differs from that of the path.
 pub fn check_unit_by(
     measure: Measure,
     recording: &Recording,
@@ -140,12 +140,12 @@ pub fn check_unit_by(
     }
 }
 
-/// Checks the feed against the `path` mm of the lines for which `counts` returns `true`, over the times at
-/// which the control runs them.
+/// Checks the feed against the length `path` (mm) of the lines for which `counts` returns `true`, over the
+/// times at which the control runs these lines.
 ///
 /// # Errors
 ///
-/// Returns an error if no feed was recorded, or its length differs from the path.
+/// Returns an error if no feed was recorded, or if the length differs from that of the path.
 pub fn check_unit_on_lines(
     recording: &Recording,
     path: f64,
@@ -213,7 +213,7 @@ fn settle(
             instead: Some(*instead),
         });
     }
-    // A factor that is no unit of the values may be one of the time.
+    // A factor that is not one of units of the values may be one of units of time.
     match [1e-3, 1e3, SECONDS_PER_MINUTE, 1.0 / SECONDS_PER_MINUTE].into_iter().find(|factor| fits(*factor)) {
         Some(factor) => {
             Err(UnitCheckError::WouldFit { name, unit: unit.symbol, length, path, factor, instead: None })
@@ -223,7 +223,7 @@ fn settle(
 }
 
 /// Returns the length of the recorded path, in the positions' unit; `None` if no axis has two samples. At
-/// every stamp of any axis the others have their last value, or their first before it.
+/// every stamp of any axis the other axes have their last value, or before their first stamp the first value.
 pub fn path_length(axes: &Axes) -> Option<f64> {
     if axes.iter().flatten().all(|channel| channel.values.len() < 2) {
         return None;

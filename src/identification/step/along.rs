@@ -1,4 +1,4 @@
-//! A log of one move → its samples along its line, or its feedrate if no position was recorded.
+//! A log of one move → the positions along its line, or its feedrates if no position was recorded.
 
 use crate::identification::recording;
 use crate::identification::step::{Outcome, RecordedQuantity, Recording, identify};
@@ -12,13 +12,13 @@ struct Along {
     quantity: RecordedQuantity,
 }
 
-/// Identifies the filters from the move in a log; `None` if it has neither positions nor feedrates.
+/// Identifies the filters from the move in a log; `None` if the log has neither positions nor feedrates.
 pub fn identify_move(log: &recording::Recording) -> Option<Outcome> {
     let Along { times, values, quantity } = along_line(log).or_else(|| by_feedrate(log))?;
     Some(identify(&Recording { times: &times, values: &values, quantity }))
 }
 
-/// Returns positions along the line from the first place of the tool towards the last.
+/// Returns positions along the line from the first position of the tool towards the last.
 fn along_line(log: &recording::Recording) -> Option<Along> {
     let axes = log.positions();
     let longest = axes.iter().flatten().max_by_key(|channel| channel.time.len())?;

@@ -6,7 +6,7 @@ use crate::identification::fit::inverse;
 use crate::identification::fit::levenberg_marquardt::{self, Problem, Search};
 use crate::identification::step::response::Response;
 
-/// Plain squares, until rounding hides every gain.
+/// A search with plain squares that ends when gains are only rounding.
 const SEARCH: Search =
     Search { huber: f64::INFINITY, ftol: 1e-12, atol: 0.0, damping: 1e-3, max_damping: 1e12, max_steps: 300 };
 
@@ -19,7 +19,7 @@ pub struct Minimum {
     pub converged: bool,
 }
 
-/// Searches the parameters whose response is closest to `values`.
+/// Returns the parameters whose response is closest to `values`.
 pub fn minimise(response: &Response, values: &[f64], guess: DVector<f64>) -> Minimum {
     let misfit = Misfit { response, values: DVector::from_column_slice(values) };
     let minimum = levenberg_marquardt::minimise(&misfit, guess, SEARCH, &mut |_| {});

@@ -1,22 +1,22 @@
 //! One recorded straight move → the filters of the interpolator.
 //!
-//! A single block of length L at feedrate F, from rest to rest, is a rectangular pulse of the
-//! duration Tv = L/F behind the filters, so what a control records of it is
+//! A single block of length L at feedrate F, from rest to rest, is a rectangular command of the duration Tv =
+//! L/F, so that a control records behind the filters
 //!
 //! ```text
 //! feedrate   v(t) = F [V(t − t0) − V(t − t0 − Tv)]
 //! position   p(t) = p0 + F [S(t − t0) − S(t − t0 − Tv)]
 //! ```
 //!
-//! with the step responses V and S of the filter chain. For one to four equal filters, and for two
-//! unequal ones (the seven-segment profile), F, t0, Tv, p0 and the time constants are found by
-//! least squares; the sampling may be irregular and its start is free. A pulse of duration Tv behind
-//! one filter T cannot be distinguished from a pulse of duration T behind a filter Tv, so with one filter or an
-//! unequal pair the move is taken to be commanded for longer than any filter lasts: L ≥ F T1.
+//! with the step responses V and S of the filter chain. For one to four equal filters, and for two unequal
+//! ones (the seven-segment profile), least squares determine F, t0, Tv, p0 and the time constants; the
+//! sampling may be irregular and its start is free. A command of duration Tv behind one filter T cannot be
+//! distinguished from a command of duration T behind a filter Tv. With one filter or an unequal pair, the
+//! command is therefore assumed to be longer than any filter: L ≥ F T1.
 //!
-//! Standard uncertainties come from the scatter of the residuals and the Jacobian, so they hold for
-//! noise that differs from sample to sample. Where neighbouring residuals resemble each other by
-//! ρ > 0, the samples count as n (1 − ρ)/(1 + ρ) of them.
+//! Standard uncertainties come from the scatter of the residuals and the Jacobian, and so assume noise that
+//! is independent from sample to sample. If neighbouring residuals have a correlation ρ > 0, n samples count
+//! as n (1 − ρ)/(1 + ρ) independent ones.
 //!
 //! The filters are chosen by the Bayesian information criterion
 //!
@@ -24,13 +24,13 @@
 //! BIC = m ln(RSS/n) + k ln m
 //! ```
 //!
-//! over the n samples on the ramps alone, where the models differ; k parameters; m = (n − k) times
-//! the above for resemblance. Samples at rest or in the cruise are not evidence. Models whose BIC is within
-//! [`TELLING_MARGIN`] of the best cannot be distinguished by this recording, and are named. Two unequal
-//! filters contain one filter and two equal ones as limits: they are chosen before those only beyond
-//! that margin, and are their rivals only where they do better.
+//! over the n samples on the ramps, where the models differ, with the sum RSS of the squared residuals, k
+//! parameters and m = (n − k) (1 − ρ)/(1 + ρ). Samples at rest or in the cruise are not evidence. If the BIC
+//! of a model is within [`TELLING_MARGIN`] of the best, this recording cannot distinguish the two, and the
+//! model is listed as a rival. Two unequal filters contain one filter and two equal ones as limits: they are
+//! preferred to these only beyond that margin, and are rivals only if their BIC is lower.
 //!
-//! Source: Ward et al. 2021, Sect. 2.2, which reads T1 = Tacc/n off a chart.
+//! Source: Ward et al. 2021, Sect. 2.2, where T1 = Tacc/n is read from a chart.
 
 mod along;
 mod misfit;
@@ -45,16 +45,17 @@ use crate::identification::step::misfit::{Minimum, minimise};
 use crate::identification::step::response::{Response, Shape};
 use crate::simulation::running_sum::running_sum;
 
-/// Difference of BIC from which one model is preferred beyond doubt: odds above 100 to 1.
+/// Difference of BIC from which on the recording distinguishes two models: odds above 100 to 1.
 pub const TELLING_MARGIN: f64 = 10.0;
 
-/// Residuals larger than this part of the feedrate, or half of it of the length, are not noise.
+/// Largest residual that counts as noise, as a part of the feedrate; of the length it is half of this part.
 const LARGEST_RESIDUAL: f64 = 0.05;
 
 /// Residuals below this part of the recorded range are rounding.
 const ROUNDING_RATIO: f64 = 1e-11;
 
-/// Largest distance of used samples at rest from the move, in times between 10 % and 90 % of the length.
+/// Largest time between the move and a sample at rest that is used, as a multiple of the time from 10 % to 90
+/// % of the length.
 const REST: f64 = 1.5;
 
 /// A recorded move along a line.
@@ -62,7 +63,7 @@ const REST: f64 = 1.5;
 pub struct Recording<'a> {
     /// Time of each sample, s; rising.
     pub times: &'a [f64],
-    /// Recorded values, mm or mm/s; as many as times.
+    /// Recorded values, mm or mm/s, one per time.
     pub values: &'a [f64],
     /// Recorded quantity.
     pub quantity: RecordedQuantity,
@@ -120,7 +121,7 @@ pub struct Fit {
     pub length: Estimate,
     /// Root mean square of the residuals, in the unit of the recording.
     pub residual_rms: f64,
-    /// Bayesian information criterion; only differences mean something.
+    /// Bayesian information criterion; only differences are meaningful.
     pub bic: f64,
     /// Samples taken while the filters rise or fall.
     pub samples_on_ramps: usize,
@@ -143,9 +144,9 @@ impl Fit {
 pub struct Identification {
     /// A fit for each of [`Filters::ALL`], in that order.
     pub fits: Vec<Fit>,
-    /// Index of the chosen one.
+    /// Index of the chosen fit.
     pub chosen: usize,
-    /// Indices of the fits that the recording cannot distinguish from it.
+    /// Indices of the fits that the recording cannot distinguish from the chosen one.
     pub rivals: Vec<usize>,
     /// Number of independent samples on the ramps, m.
     pub effective_samples: f64,
@@ -200,13 +201,13 @@ pub enum Fault {
     /// A number that is not finite.
     #[error("row {row}: not a finite number")]
     NotFinite {
-        /// Counted from 0.
+        /// Index of the row, from 0.
         row: usize,
     },
     /// A time that does not ascend.
     #[error("row {row}: the time is not after that of the row before")]
     TimeNotRising {
-        /// Counted from 0.
+        /// Index of the row, from 0.
         row: usize,
     },
 }
@@ -283,7 +284,8 @@ struct Move {
 }
 
 impl Move {
-    /// Returns the place of the move by the part of the length done; `None` if the recording ends where it began.
+    /// Returns the place of the move, from the times at which it has covered parts of its length; `None` if
+    /// the recording ends where it began.
     fn of(recording: &Recording) -> Option<Move> {
         let Recording { times, values, .. } = recording;
         let travelled: Vec<f64> = match recording.quantity {
@@ -402,7 +404,7 @@ fn fit(response: &Response, minimum: &Minimum, on_ramps: usize, bic: f64) -> Fit
 }
 
 /// Returns the part of the samples that counts as independent: (1 − ρ)/(1 + ρ) with the correlation ρ of
-/// neighbouring residuals, if that is more than chance.
+/// neighbouring residuals, if ρ is more than chance.
 fn independence(residuals: &[f64]) -> f64 {
     let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
     let products: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();

@@ -9,12 +9,12 @@
 //!               t0  rise    fall = rise + Tv;   rise = t0 + D/2
 //! ```
 //!
-//! Times are counted to the middle of the ramps: those do not move when the filters change, so the
-//! parameters hardly disturb each other. Equal filters have the parameter T; the unequal pair has
-//! D = T1 + T2 and q = ((T1 − T2)/D)², in which the response is smooth even where T1 = T2.
+//! Times refer to the middles of the ramps, which do not move when the filters change, so that the parameters
+//! hardly affect each other. Equal filters have the parameter T; the unequal pair has D = T1 + T2 and q =
+//! ((T1 − T2)/D)², in which the response is smooth even where T1 = T2.
 //!
-//! A pulse of duration Tv behind a filter T is a pulse of duration T behind a filter Tv: where both are
-//! free, the longer of the two is taken to be the pulse.
+//! A pulse of duration Tv behind a filter T equals a pulse of duration T behind a filter Tv: if both are
+//! free, the longer of the two is assumed to be the pulse.
 //!
 //! Derivatives by F, rise, fall and p0 are exact; those by the filters are central differences.
 
@@ -107,7 +107,7 @@ impl Response<'_> {
             Filters::Equal(order) => FilterChain::equal(order, size),
             Filters::UnequalPair => FilterChain::new(&pair(size, parameters[FILTER + 1])?),
         };
-        // With several equal filters the pulse cannot be mistaken for one of them.
+        // With several equal filters the pulse cannot be confused with one of them.
         let pulse = parameters[2] - parameters[1];
         let shortest_pulse = match self.filters {
             Filters::Equal(2..) => 0.0,
@@ -262,7 +262,7 @@ impl Response<'_> {
                 (order as f64, vec![Estimate { value: size, uncertainty: along(&[(FILTER, 1.0)]) }])
             }
             Filters::UnequalPair => {
-                // T = D (1 ± √q)/2; √q is not linear at 0, so its spread is taken as it is.
+                // T = D (1 ± √q)/2; √q is not linear at 0, so that its own spread is used.
                 let q = parameters[FILTER + 1];
                 let spread = (q + along(&[(FILTER + 1, 1.0)])).sqrt() - q.sqrt();
                 let constants = pair(size, q).unwrap_or([size, 0.0]);

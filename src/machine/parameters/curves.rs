@@ -1,4 +1,4 @@
-//! Rows of arcs and of positioning: how closely arcs are followed, and how rapids ramp.
+//! Rows of arcs and of positioning: the accuracy of arcs, and the ramps of rapids.
 
 use crate::machine::ArcChords;
 use crate::machine::parameter::{Access, JERK_BOUNDS_MM_S3, Parameter, TOLERANCE_BOUNDS_MM, number, row};

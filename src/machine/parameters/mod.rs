@@ -1,8 +1,8 @@
 //! The table of machine parameters: one row serves the machine file, the form on the page, the manual and the
 //! fit.
 //!
-//! A row's key is its place in the machine file, `[table]` and key joined by a dot. Values pass
-//! through [`Unit`] on their way in and out, so that the rest of the program sees mm, s and rad.
+//! The key of a row is its place in the machine file, `[table]` and key joined by a dot. [`Unit`] converts
+//! values on their way in and out, so that the rest of the program uses mm, s and rad.
 
 mod axes;
 mod calibrated;
@@ -36,7 +36,7 @@ const TIME_CONSTANT_BOUNDS_S: (f64, f64) = (1e-4, 2.0);
 const DISTANCE_BOUNDS_MM: (f64, f64) = (0.0, 1e12);
 
 /// Time constants have one of three forms: setting one replaces the others, and clearing a form that is not
-/// in force has no effect.
+/// current has no effect.
 fn set_equal(constants: &mut TimeConstants, value: Option<f64>) {
     if let Some(seconds) = value {
         *constants = TimeConstants::Equal(seconds);

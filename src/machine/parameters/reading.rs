@@ -3,7 +3,7 @@
 use crate::machine::parameter::{Parameter, number};
 use crate::units::Unit;
 
-/// Shown in the form after the tolerance levels.
+/// The row, which the form shows after the tolerance levels.
 pub(super) const READING: [Parameter; 1] = [Parameter {
     key: "program.increment_mm",
     label: "Increment without a point",

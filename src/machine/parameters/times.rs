@@ -1,6 +1,6 @@
 //! Rows of the times without motion.
 //!
-//! An empty time is that of all other M-words, which is 0 by default.
+//! If a time is empty, the time of all other M-words applies, which is 0 by default.
 
 use std::collections::BTreeMap;
 

@@ -1,8 +1,8 @@
-//! Depth cues for a picture of lines without a surface: farther lines fade into the background, lines below
+//! Depth cues for a picture of lines without a surface: farther lines fade into the background, lines behind
 //! their neighbours are darker (the lighting of point clouds, after Boucheny), and lines still to be run are
 //! pale.
 //!
-//! With n how near a pixel is, 0 to 1 over the diagonal of the part, and n₁ … n₄ its neighbours:
+//! With the nearness n of a pixel, 0 to 1 over the diagonal of the part, and n₁ … n₄ of its neighbours:
 //!
 //! ```text
 //! colour = ((1 − f) ink + f ground) ÷ (1 + k Σ max(0, nᵢ − n)),     f = fade (1 − n)
@@ -13,7 +13,7 @@ use plotters::style::RGBColor;
 /// Part of the background in the colour of the farthest line, and of lines still to be run.
 const MAX_FADE: f32 = 0.45;
 const PENDING_FADE: f32 = 0.8;
-/// Darkness of a pixel below its neighbours.
+/// Darkness k of a pixel behind its neighbours.
 const SHADOW_STRENGTH: f32 = 9.0;
 /// Least factor of a shadow on the colour.
 const MIN_SHADOW_FACTOR: f32 = 0.45;
@@ -35,7 +35,7 @@ impl Light {
         self.mixed(ink, if self.first_pending <= edge { PENDING_FADE } else { 0.0 }, 1.0)
     }
 
-    /// Returns the colour of an edge at a nearness, given that of its neighbours.
+    /// Returns the colour of an edge at the nearness `near`, given the nearness of the neighbours, `around`.
     pub fn lit(&self, ink: RGBColor, edge: u32, near: f32, around: [f32; 4]) -> [u8; 4] {
         let above: f32 = around.iter().map(|other| (other - near).max(0.0)).sum();
         let fade = MAX_FADE * (1.0 - near);

@@ -1,12 +1,12 @@
-//! The path in space, coloured by what the machine does on it: data in, pixels out.
+//! The path in space, coloured by feedrate, by lost time or by part of the program: data in, pixels out.
 //!
-//! A [`Trail`] is the programmed path as a chain of straight edges: lines as they are, arcs as chords of at
+//! A [`Trail`] is the programmed path as a chain of straight edges: lines unchanged, arcs as chords of at
 //! most three degrees. A [`SteppedCurve`] is the feedrate over distance in steps, coarse enough for colours.
-//! A [`Scene`] gives the trail its shades, divides its edges where the shade changes, and is drawn by
-//! [`raster`] through a [`Camera`].
+//! A [`Scene`] is a trail with shades, with its edges divided where the shade changes; [`raster`] draws it
+//! through a [`Camera`].
 //!
-//! Shades are ranks, the worst last: where several passes fall on one pixel, it shows the nearest, and of those
-//! that are equally near the worst, as a chart decimated to its highest and lowest points does.
+//! Shades are ranks, the worst last. If several passes cover one pixel, it shows the nearest pass, and of
+//! equally near ones the worst, as a chart keeps the highest and lowest points of a pixel column.
 //!
 //! Units: mm, mm/s, s; loss is a part of the programmed feedrate, time lost against a recording is in s/mm.
 
@@ -31,7 +31,7 @@ use crate::simulation::toolpath::{Curve, Toolpath};
 
 /// Widest angle of a chord of an arc, rad.
 const CHORD: f64 = std::f64::consts::PI / 60.0;
-/// A cut is deep whose height is more than this part of its length or width.
+/// Part of the length or width of the cuts above which their height counts as deep.
 const DEEP: f32 = 0.02;
 /// Number of shades.
 pub const SHADES: usize = 16;
@@ -84,13 +84,13 @@ impl Trail {
 pub struct SteppedCurve {
     /// End of each step along the path, mm; ascending.
     pub end: Vec<f64>,
-    /// Value of each step: mean feedrate (mm/s), or time lost (s/mm).
+    /// Value of each step: mean feedrate (mm/s), or time lost per length (s/mm).
     pub value: Vec<f64>,
 }
 
 impl SteppedCurve {
-    /// Returns the feedrate of a profile, in steps within which it changes by 3 % or half a per cent of the
-    /// fastest.
+    /// Returns the feedrate of a profile, in steps within which it changes by at most 3 %, or by half a per
+    /// cent of the largest feedrate.
     pub fn of(curve: &FeedCurve) -> SteppedCurve {
         let fastest = curve.feedrate.iter().copied().fold(0.0, f64::max);
         let mut pace = SteppedCurve::default();
@@ -135,11 +135,11 @@ impl SteppedCurve {
 /// The quantity that colours the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coloring {
-    /// Feedrate, from 0 to this one, mm/s.
+    /// Feedrate, from 0 to this value, mm/s.
     Feedrate(f64),
     /// The missing part of the programmed feedrate.
     Loss,
-    /// Time lost against a recording, from this much gained to this much lost, s/mm.
+    /// Time lost against a recording, from this value gained to this value lost, s/mm.
     Lost(f64),
     /// The part of the program, such as a tool; parts are numbered from 0.
     Part,
@@ -175,11 +175,11 @@ impl Coloring {
 /// A trail with its shades.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// Ends of edges, mm.
+    /// Positions of the ends of edges, mm.
     pub points: Vec<[f32; 3]>,
-    /// Their distance along the path, mm; ascending.
+    /// Distance of each position along the path, mm; ascending.
     pub distance: Vec<f64>,
-    /// Rank of the edge that begins at each; the last has none.
+    /// Rank of the edge that begins at each position; the last position has none.
     pub rank: Vec<u8>,
     /// Least and largest coordinates of the cuts, mm; of everything if nothing is cut.
     pub bounds: [[f32; 3]; 2],
@@ -214,7 +214,7 @@ impl Scene {
                     _ => asked,
                 });
                 let rank = if is_rapid { RAPID_RANK } else { coloring.rank(value, asked) };
-                // Neighbours of one shade on one edge become one.
+                // Neighbouring parts of an edge with the same shade are joined.
                 match scene.rank.last_mut() {
                     Some(last) if *last == 0 || *last == rank => *last = rank,
                     _ => {
@@ -254,7 +254,8 @@ impl Scene {
         ends.filter(move |(_, rank)| !is_cut || **rank != RAPID_RANK).map(|(ends, _)| ends)
     }
 
-    /// Returns the index of the first edge that begins at or beyond a distance, mm; `None` means the end.
+    /// Returns the index of the first edge that begins at or beyond a distance, mm; `None` returns the number
+    /// of edges.
     pub fn edges_to(&self, distance: Option<f64>) -> u32 {
         let run = |distance| self.distance.partition_point(|&begin| begin < distance) as u32;
         distance.map_or(u32::MAX, run)

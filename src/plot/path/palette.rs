@@ -1,8 +1,9 @@
 //! The colours of shades. The worse the shade, the higher its contrast with the background.
 //!
-//! Feedrate and loss run along viridis, whose lightness tells its colours apart for any kind of colour vision, on
-//! light ground from its middle to the dark end and on dark ground to the light one, so that each has a contrast of
-//! three to one. Time lost runs from blue over grey to vermilion, of Okabe and Ito.
+//! Feedrate and loss use viridis, whose colours differ in lightness and so are distinct for any kind of
+//! colour vision: on a light background from its middle to the dark end, on a dark background to the light
+//! end, so that each colour has a contrast of three to one. Time lost runs from blue over grey to vermilion,
+//! of Okabe and Ito.
 
 use plotters::style::RGBColor;
 

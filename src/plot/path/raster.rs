@@ -1,16 +1,16 @@
-//! Edges → pixels, without a graphics card: each pixel knows its edge and its nearness.
+//! Edges → pixels, without a graphics card: each pixel stores its edge and its nearness.
 //!
-//! A pixel holds its nearness, the rank of its shade and the index of its edge, in this order, so that the
-//! greatest of several numbers is the nearest, at equal nearness the worst, and then the later edge. Rapids
-//! lie behind everything. The cost is that of projecting every end of an edge and of setting the visible
-//! pixels; edges within the pixel that the last one has set are skipped.
+//! A pixel is one number that consists of its nearness, the rank of its shade and the index of its edge, in
+//! this order. The greatest of several numbers is therefore the nearest edge, at equal nearness the worst,
+//! and then the later one. Rapids lie behind everything. The work is the projection of every end of an edge
+//! and the setting of visible pixels; edges within the pixel of the edge before are skipped.
 
 use plotters::style::RGBColor;
 
 use crate::plot::path::light::Light;
 use crate::plot::path::{Camera, MARKED_RANK, RAPID_RANK, Scene};
 
-/// A pixel has the index of an edge in its lowest bits, above it the rank, above that the nearness.
+/// Lowest bit of the rank in a pixel; below it is the index of the edge, above the rank the nearness.
 const RANK_BIT: u32 = 32;
 const NEAR_BIT: u32 = 40;
 /// Largest nearness of an edge that is not marked.
@@ -96,8 +96,8 @@ fn projection(scene: &Scene, camera: &Camera) -> impl Fn([f32; 3]) -> ProjectedP
     let (x0, y0) = camera.project([0.0; 3]);
     let [right, up] = camera.axes().map(|axis| axis.map(|part| (part * camera.scale) as f32));
     let (x0, y0) = (x0 as f32, y0 as f32);
-    // The nearest corner of the box about the cuts has the greatest number, and its diagonal spans all of
-    // them.
+    // The nearest corner of the box around the cuts has the greatest nearness, and the diagonal of the box
+    // spans the whole range.
     let ahead = camera.ahead();
     let [low, high] = scene.bounds.map(|corner| corner.map(f64::from));
     let nearest: f64 = (0..3).map(|k| (ahead[k] * low[k]).max(ahead[k] * high[k])).sum();
@@ -116,7 +116,7 @@ fn projection(scene: &Scene, camera: &Camera) -> impl Fn([f32; 3]) -> ProjectedP
 }
 
 impl Raster {
-    /// Sets the pixels of a line; with a phase (pixels) it is dashed from there.
+    /// Sets the pixels of a line; with a phase (pixels) the line is dashed from that phase on.
     fn line(
         &mut self,
         from: ProjectedPoint,
@@ -195,7 +195,8 @@ impl Raster {
         (self.width, self.height)
     }
 
-    /// Writes red, green, blue and opacity of all pixels, row by row, by ranks and in a light.
+    /// Writes red, green, blue and opacity of all pixels, row by row, from the colours of the ranks and the
+    /// lighting.
     pub fn colors(&self, inks: &[Option<RGBColor>; 32], light: &Light, into: &mut Vec<u8>) {
         into.clear();
         into.resize(4 * self.pixels.len(), 0);

@@ -1,8 +1,8 @@
 //! The path as a picture in a document: SVG, dark on white, with the legend of its colours and a scale bar.
 //!
-//! Edges are drawn as by [`raster`](crate::plot::path::raster): rank by rank, the worst on top. Edges that
-//! end within half a pixel of the last corner are drawn together, and those beyond the picture not at all, so
-//! that the size of the file depends on the visible part.
+//! As in [`raster`](crate::plot::path::raster), edges are drawn rank by rank, the worst on top. Edges that
+//! end within half a pixel of the last corner are joined, and edges outside the picture left out, so that the
+//! size of the file depends on the visible part.
 
 use std::fmt::Write;
 
@@ -25,10 +25,11 @@ pub struct Sheet<'a> {
     pub length: (f64, String),
 }
 
-/// Width of lines and room below the path, pixels.
+/// Width of lines, pixels.
 const LINE_WIDTH_PX: f64 = 1.5;
+/// Height of the room below the path, pixels.
 const FOOT_HEIGHT_PX: f64 = 34.0;
-/// Distance within which an edge is drawn together with the next, pixels.
+/// Distance within which an edge is joined with the next, pixels.
 const MAX_JOINED_PX: f64 = 0.5;
 /// Width of a shade in the ramp, pixels.
 const SHADE_WIDTH_PX: f64 = 9.0;
@@ -112,7 +113,8 @@ fn marked(scene: &Scene, camera: &Camera, (begin, end): (f64, f64)) -> String {
     line
 }
 
-/// Returns the legend of the colours, on the left, and the scale bar, on the right; about a height.
+/// Returns the legend of the colours, on the left, and the scale bar, on the right, both at the height `y`
+/// (pixels).
 fn foot(sheet: &Sheet, width: f64, y: f64) -> String {
     let [first, last] = sheet.ends.each_ref().map(|end| escaped(end));
     let mut text = format!(

@@ -49,11 +49,11 @@ struct EstimateRow {
     /// Standard deviation; `None` if unknown.
     deviation: Option<String>,
     verdict: &'static str,
-    /// Before, after and deviation as numbers.
+    /// Values before and after, and the deviation, as numbers.
     numbers: [Option<f64>; 3],
 }
 
-/// A run before and after.
+/// The errors of a run before and after the calibration.
 #[derive(Clone, Debug, Serialize)]
 struct RunRow {
     name: String,
@@ -68,13 +68,13 @@ struct RunRow {
     cycle_time_error: [f64; 2],
     /// Simulated less recorded motion time as a part of the recorded one, before and after.
     motion_error: [f64; 2],
-    /// Before, after, and CAM's.
+    /// RMS difference of the feedrates before, after, and of CAM's estimate.
     feed_rmse_mm_min: Option<[f64; 3]>,
 }
 
 impl CalibrationReport {
-    /// Returns the report of the calibration of `before` from runs with these names; `error` remains on them
-    /// after it.
+    /// Returns the report of the calibration of `before` from runs with these names; `error` is the error on
+    /// these runs after the calibration.
     pub fn new(
         before: &Machine,
         calibration: &Calibration,
@@ -130,7 +130,7 @@ impl CalibrationReport {
         CalibrationReport { measured: Some(MeasuredReport::new(measured)), ..self }
     }
 
-    /// Returns the calibrated machine, its fitted numbers with the digits of the report.
+    /// Returns the calibrated machine, with its fitted numbers rounded to the digits of the report.
     ///
     /// # Errors
     ///
@@ -237,7 +237,7 @@ fn run_row(run: &RunResult, name: &str) -> RunRow {
 /// Returns the provenance for the machine file.
 fn provenance(calibration: &Calibration, names: &[String]) -> String {
     let at_most = |of: fn(&Comparison) -> Durations| {
-        // An error that rounds to 0 is not 0.
+        // An error that would round to 0 is given as 0.1 %.
         let percent = (PERCENT * calibration.worst_error(of)).max(0.1);
         format!("{percent:.1} %")
     };

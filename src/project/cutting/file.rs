@@ -18,7 +18,7 @@
 //! max_power_w = 15000
 //! ```
 //!
-//! Invalid text is a fault; missing data for forces is found when they are computed.
+//! Invalid text is a fault; the computation of forces reports missing data.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;

@@ -18,13 +18,13 @@ pub(in crate::project) struct Cutting {
     resolution_mm: f64,
     /// Material of the forces.
     material: MaterialRow,
-    /// At the programmed feedrate.
+    /// Largest loads at the programmed feedrate.
     programmed: PeakRows,
     /// At the predicted feedrate.
     predicted: PeakRows,
-    /// Where the predicted feedrate exceeds limits.
+    /// Parts of the path where limits are exceeded at the predicted feedrate.
     exceeded: Vec<ExceededRow>,
-    /// Where the programmed feedrate could be higher, the largest saving first.
+    /// Parts of the path where the programmed feedrate could be higher, the largest saving first.
     headroom: Vec<HeadroomRow>,
     /// Rapid moves through material.
     rapids_through_stock: Vec<CollisionRow>,
@@ -34,16 +34,16 @@ pub(in crate::project) struct Cutting {
 
 const ASSUMPTIONS: &str = "force is the largest resultant within a revolution, power the mean; engagement on the programmed path in a height map; linear edge force model with a stiff tool, without cutting at the bottom";
 
-/// Coefficients, in N/mm² and N/mm, with their source.
+/// A material: its coefficients, in N/mm² and N/mm, and their source.
 #[derive(Clone, Debug, Serialize)]
 struct MaterialRow {
     name: &'static str,
     source: &'static str,
     /// `true` if the numbers were compared with the source.
     is_checked: bool,
-    /// K_tc, K_rc, K_ac.
+    /// Cutting coefficients K_tc, K_rc, K_ac.
     cutting_n_mm2: [f64; 3],
-    /// K_te, K_re, K_ae.
+    /// Edge coefficients K_te, K_re, K_ae.
     edge_n_mm: [f64; 3],
 }
 
@@ -80,7 +80,7 @@ impl From<&Setup> for MaterialRow {
     }
 }
 
-/// Where the feedrate could be higher.
+/// A part of the path where the feedrate could be higher.
 #[derive(Clone, Debug, Serialize)]
 struct HeadroomRow {
     lines: [u32; 2],
@@ -89,7 +89,7 @@ struct HeadroomRow {
     programmed_mm_min: f64,
     predicted_mm_min: f64,
     factor: f64,
-    /// The limit met first beyond that; null if there is none.
+    /// The limit that the next factor would exceed; null if there is none.
     limit: Option<&'static str>,
     /// Time saved if the machine reached both feedrates.
     saved_s: f64,
@@ -110,7 +110,7 @@ impl From<&Headroom> for HeadroomRow {
     }
 }
 
-/// Largest values.
+/// Largest values of the loads.
 #[derive(Clone, Debug, Serialize)]
 struct PeakRows {
     force_n: LocatedValue,
@@ -164,7 +164,7 @@ impl From<&LoadCurve> for PeakRows {
             force_n: at(&loads.force, |force| force),
             torque_nm: at(&loads.torque, n_m_of_n_mm),
             power_w: at(&loads.power, watts_of_n_mm_per_s),
-            // Converted like a feedrate over an area.
+            // Converted like a feedrate times an area.
             removal_rate_mm3_min: at(&loads.removal_rate, mm_per_min),
         }
     }
@@ -263,7 +263,8 @@ pub fn cutting_remarks(
         );
         (worst.peak.line, false, text)
     });
-    // If only the programmed feedrate is too high, the machine's slowness protects the tool.
+    // If a limit is exceeded only at the programmed feedrate, the tool is safe because the machine runs more
+    // slowly.
     let spared = programmed.exceeded.chunk_by(|a, b| a.limit == b.limit).filter_map(|all| {
         let is_met = !predicted.exceeded.iter().any(|beyond| beyond.limit == all[0].limit);
         let (_, unit, name, convert) = limit_row(all[0].limit);
@@ -293,7 +294,7 @@ pub fn cutting_remarks(
     rapids.chain(beyond).chain(spared).chain(doubted).chain(unlikely).chain(coarse).collect()
 }
 
-/// Thickest plausible chip, mm: more is a mistake in the job or in the program.
+/// Thickest plausible chip, mm: a thicker one indicates a mistake in the job or in the program.
 const MAX_CHIP_MM: f64 = 1.0;
 
 /// Formats a number with about three significant digits.
@@ -307,7 +308,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// Returns the reason for missing forces as a remark.
+/// Returns the reason for missing forces as a remark: line, `true` for an error, sentence.
 pub fn cutting_refusal(error: &CuttingError) -> (u32, bool, String) {
     (error.line(), false, error.to_string())
 }

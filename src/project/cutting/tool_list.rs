@@ -7,13 +7,13 @@
 //! TOOL CALL 3 Z S5000 ; BOHRER D8.5                    T3, 8.5 mm
 //! ```
 //!
-//! A length with an inch mark, and a fraction, is in inches; any other is in the unit of the program.
+//! A length with an inch mark, or a fraction, is in inches; any other length is in the unit of the program.
 
 use serde::Serialize;
 
 use crate::units::MM_PER_INCH;
 
-/// A tool as a program describes it.
+/// A tool that a program describes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct DescribedTool {
     tool: u32,
@@ -24,15 +24,15 @@ struct DescribedTool {
 
 /// Most tools of a program, more than a magazine has.
 const MAX_TOOLS: usize = 400;
-/// Bounds of the diameter of a tool; a number outside them is none.
+/// Bounds of the diameter of a tool; a number outside them is not a diameter.
 const DIAMETER_BOUNDS_MM: (f64, f64) = (0.05, 500.0);
 /// Most teeth of a tool.
 const MAX_TEETH: u32 = 40;
-/// Largest diameter in inches; a larger one is in millimetres.
+/// Largest diameter that counts as inches; a larger one is in millimetres.
 const MAX_INCHES: f64 = 5.0;
 
-/// Returns the tools that the head of a program describes, by number, as JSON text. Of several descriptions of a
-/// tool the first with a diameter counts, else the first.
+/// Returns the tools that the head of a program describes, by number, as JSON text. If a tool has several
+/// descriptions, the first with a diameter counts, or else the first.
 pub fn described_tools_json(head: &[u8]) -> String {
     serde_json::to_string(&described_tools(&String::from_utf8_lossy(head)))
         .expect("text and finite numbers have a JSON form")
@@ -65,7 +65,7 @@ fn described_tools(text: &str) -> Vec<DescribedTool> {
     tools
 }
 
-/// Returns `true` if a word is in a text, as G20 in N10G20G90; G200 is another one.
+/// Returns `true` if a text contains a word, as N10G20G90 contains G20; G200 is a different word.
 fn has_word(text: &str, word: &str) -> bool {
     text.match_indices(word).any(|(at, _)| {
         let is_first = text[..at].chars().next_back().is_none_or(|before| !before.is_ascii_alphabetic());
@@ -73,7 +73,8 @@ fn has_word(text: &str, word: &str) -> bool {
     })
 }
 
-/// Returns the parts of a comment that describe a tool each: (T1 END MILL D10, T2 BALL MILL D6) has two.
+/// Returns the parts of a comment, each of which describes one tool: (T1 END MILL D10, T2 BALL MILL D6) has
+/// two.
 fn descriptions(comment: &str) -> Vec<&str> {
     let starts = comment.match_indices('T').map(|(at, _)| at).filter(|&at| {
         let is_first = comment[..at].trim_end().is_empty() || comment[..at].ends_with([' ', ',', ';']);
@@ -161,7 +162,7 @@ fn length(token: &str, is_inch: bool) -> Option<f64> {
         _ if token.ends_with(['"', '\'']) || token.contains('/') => {
             (token.trim_end_matches(['"', '\'']), MM_PER_INCH)
         }
-        // A diameter of inches this large is one of millimetres.
+        // A diameter too large for inches is in millimetres.
         _ if token.parse::<f64>().is_ok_and(|own| MAX_INCHES < own) => (token, 1.0),
         _ => (token, if is_inch { MM_PER_INCH } else { 1.0 }),
     };

@@ -1,9 +1,9 @@
 //! The account of a diagnosis in hundredths of a second: as data, as a table and as a waterfall.
 //!
-//! Rounded one by one, the entries would no longer add up to the recorded time. Recorded and simulated time
-//! are rounded; the entries between them that were rounded farthest the other way absorb the difference, so
-//! that none is off by more than a hundredth if there are few. An account of several runs is the sum of their
-//! accounts as shown.
+//! Entries that are rounded one by one would no longer add up to the recorded time. Recorded and simulated
+//! time are rounded; the entries between them that were rounded farthest in the opposite direction absorb the
+//! difference, so that no entry of a few is off by more than a hundredth. An account of several runs is the
+//! sum of their rounded accounts.
 
 use serde::Serialize;
 
@@ -25,10 +25,10 @@ pub struct AccountRow {
     /// Ids and seconds, the largest first.
     causes_s: Vec<(&'static str, f64)>,
     unexplained_s: f64,
-    /// Sum of the sizes of all regions, so that nothing cancels.
+    /// Sum of the sizes of the unexplained times of all regions, without cancellation.
     unexplained_sum_s: f64,
     recorded_s: f64,
-    /// Where the bars of the steps begin; not at 0 if the steps would be too small to be seen beside the whole.
+    /// Time at which the bars begin; above 0 if the steps would be too small to see next to the whole.
     begins_s: f64,
     /// The account of each run, if there are several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -71,7 +71,8 @@ impl RoundedAccount {
     fn of(account: &Account) -> RoundedAccount {
         let round = |seconds: f64| (100.0 * seconds).round() as i64;
         let (simulated, recorded) = (round(account.simulated), round(account.recorded));
-        // The unexplained part comes first: of two entries equally far off, it gives way.
+        // The unexplained part comes first: of two entries that are equally far off, it absorbs the
+        // difference.
         let entries: Vec<f64> = ([account.unexplained].into_iter())
             .chain(account.calibration)
             .chain(account.causes.iter().map(|(_, seconds)| *seconds))
@@ -193,7 +194,7 @@ impl AccountRow {
         levels
     }
 
-    /// Returns where the bars begin: at 0, unless the steps would be too small beside the whole.
+    /// Returns the time at which the bars begin: 0, unless the steps would be too small next to the whole.
     fn begins(&self) -> i64 {
         let levels = self.levels();
         let (lowest, highest) = (levels.iter().min().unwrap_or(&0), levels.iter().max().unwrap_or(&0));

@@ -1,5 +1,5 @@
-//! A diagnosis as one self-contained HTML document: no scripts, no other files, the charts inline as SVG. It
-//! is well-formed XML except for its first line, and has the content and order of the page.
+//! A diagnosis as one self-contained HTML document: no scripts, no other files, the charts inline as SVG. The
+//! document is well-formed XML except for its first line, and has the content and order of the page.
 
 use crate::plot::{Theme, escaped};
 use crate::project::VERSION;
@@ -16,8 +16,8 @@ const DIAGNOSIS_STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#1d
     background:#8a949f;print-color-adjust:exact}.bar i.cause{background:#d95f02}.bar i.unexplained{background:#7b3294}figure{margin:12px 0}svg{max-width:100%;height:auto}.small{color:#5b6672;font-size:13px}";
 
 impl DiagnosisReport {
-    /// Returns the HTML document, with the chart of each recording as SVG; the theme is that of charts drawn
-    /// here.
+    /// Returns the HTML document, with the chart of each recording as SVG; `theme` applies to the charts that
+    /// this function draws.
     pub fn to_html(&self, charts: &[String], theme: &Theme) -> String {
         let names = self.runs.join(", ");
         let mut body = format!("<h1>{}</h1>\n", escaped(&self.sentence));
@@ -66,11 +66,11 @@ impl DiagnosisReport {
         )
     }
 
-    /// Returns before and after, a row for each known number.
+    /// Returns the errors before and after, a row for each known number.
     fn numbers(&self) -> Vec<Vec<String>> {
         let row = |name: &str, sides: BeforeAfter, unit: &str, decimals: usize| {
             let number = |value: f64| {
-                // A number that rounds to 0 has no sign.
+                // A number that rounds to 0 is written without a sign.
                 let size = 10f64.powi(decimals as i32);
                 format!("{:.decimals$}", (value * size).round() / size + 0.0).replace('-', "−")
             };

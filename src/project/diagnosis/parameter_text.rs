@@ -67,7 +67,7 @@ pub fn parameter_texts(values: &[ReportedValue]) -> Vec<ParameterText> {
     values.into_iter().map(of).collect()
 }
 
-/// Returns a ratio in percent, with its deviation if one decimal shows any of it.
+/// Returns a ratio in percent, with its deviation unless that rounds to 0 at one decimal.
 fn percentage(quantity: &Quantity, ratio: f64, deviation: Option<f64>) -> ParameterText {
     let deviation = deviation.map(|deviation| Unit::Percent.from_core(deviation));
     ParameterText {

@@ -1,5 +1,6 @@
 //! A diagnosis as JSON and as text: its summary, then the causes, their places, their confidence, the
-//! alternatives, and the improvement of the fit. The form of the JSON is fixed; more fields may be added.
+//! alternatives, and the improvement of the fit. Fields of the JSON keep their names and meanings; fields may
+//! be added.
 
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -50,7 +51,7 @@ pub struct DiagnosisReport {
     pub(super) messages: Vec<String>,
     /// Machine with its causes as a filled form; null if nothing is compared.
     pub(super) values: Option<Map<String, Value>>,
-    /// Differences between that machine and the machine before, as in the form.
+    /// Differences between the form of that machine and that of the machine before.
     pub(super) changes: Vec<FieldChange>,
     /// Names of the recordings, in the order of `run`.
     pub(super) runs: Vec<String>,
@@ -171,7 +172,7 @@ impl DiagnosisReport {
         DiagnosisReport { values, changes, ..self }
     }
 
-    /// Returns the report with notes on what the chart of each run leaves out.
+    /// Returns the report with notes on the features that the chart of each run leaves out.
     pub fn drawn_by(mut self, charts: &[RunChart]) -> DiagnosisReport {
         for (chart, name) in charts.iter().zip(&self.runs) {
             let note = spacing_note(chart.spacing).map(|note| format!("Chart of {name}: {note}"));
@@ -189,7 +190,7 @@ impl DiagnosisReport {
     pub fn to_text(&self) -> String {
         let mut text = self.sentence.clone();
         text.extend(self.account.iter().map(|account| format!("\n{}", account.to_text())));
-        // A recording of another program is the sentence itself.
+        // For a recording of another program the cause repeats the summary.
         for cause in self.causes.iter().filter(|cause| cause.sentence != self.sentence) {
             text += &format!("\n{}: {}", cause.name, cause.sentence);
             if let Some(confidence) = cause.confidence {
@@ -286,7 +287,7 @@ fn cause(cause: &Cause, seconds: f64) -> CauseRow {
     }
 }
 
-/// Turns a sentence into a clause of another one.
+/// Returns a sentence as a clause of another one.
 fn clause_of(sentence: &str) -> String {
     let mut letters = sentence.trim_end_matches('.').chars();
     letters.next().into_iter().flat_map(char::to_lowercase).chain(letters).collect()

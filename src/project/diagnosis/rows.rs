@@ -18,7 +18,7 @@ pub(super) struct PulsationRow {
 pub(super) struct AlignmentRow {
     /// Recorded less programmed coordinates.
     pub(super) shift_mm: [f64; 3],
-    /// Number of times the program runs in it.
+    /// Number of runs of the program in the recording.
     pub(super) passes: usize,
 }
 
@@ -46,13 +46,13 @@ pub(super) struct CauseRow {
     pub(super) clause: String,
     /// Vendors' names of the setting; may be empty.
     pub(super) vendors: &'static str,
-    /// Number of sections, not used for the fit, in which it improved the feedrate, and worsened it.
+    /// Number of held-out sections in which the cause improved the feedrate, and in which it worsened it.
     pub(super) sections: Option<[usize; 2]>,
     /// Parameters with uncertainty and units, for people.
     pub(super) told: Vec<ParameterText>,
 }
 
-/// Where simulation and recording differ.
+/// A region in which simulation and recording differ.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct RegionRow {
     pub(super) lines: [u32; 2],
@@ -63,7 +63,7 @@ pub(super) struct RegionRow {
     pub(super) run: usize,
 }
 
-/// Before and after.
+/// The errors of the fit before and after the causes.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct FitImprovement {
     pub(super) feed_rmse_mm_min: BeforeAfter,

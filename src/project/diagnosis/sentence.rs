@@ -1,5 +1,5 @@
-//! The summary of a diagnosis: the duration of the run, its difference from the simulation, the causes, and
-//! the unexplained part. The balance of the account in words.
+//! The summary of a diagnosis: the account in words, with the duration of the run, its difference from the
+//! simulation, the causes, and the unexplained part.
 
 use crate::identification::diagnosis::{Diagnosis, Pulsation, Verdict};
 use crate::identification::effects::FEED_HOLD;
@@ -10,12 +10,12 @@ use crate::project::diagnosis::rows::CauseRow;
 const MAX_NAMED_LINES: usize = 12;
 /// Most causes that are named, the largest first.
 const MAX_NAMED_CAUSES: usize = 4;
-/// Least excess, in hundredths of a second, of the sum of unexplained regions over their net at which it is
-/// reported ...
+/// Least excess of the sum of the sizes of unexplained regions over their net at which the summary reports
+/// the sum, hundredths of a second.
 const MIN_CANCELLED_HUNDREDTHS: i64 = 5;
-/// ... and least ratio.
+/// Least ratio of that sum to the net at which the summary reports the sum.
 const MIN_CANCELLED_RATIO: i64 = 2;
-/// Least reported part of the time.
+/// Least part of the time that the summary reports as unexplained.
 const MIN_UNEXPLAINED_SHARE: f64 = 2e-3;
 
 /// Returns the diagnosis in a few words.
@@ -61,7 +61,7 @@ pub fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow], balance: &RoundedAcc
     }
 }
 
-/// Returns the duration of the runs beside the simulation.
+/// Returns a clause on the duration of the runs and that of the simulation.
 fn took(balance: &RoundedAccount, runs: usize) -> String {
     let who = if runs == 1 { "The run took".to_string() } else { format!("The {runs} runs together took") };
     let longer = balance.recorded - balance.simulated;
@@ -75,7 +75,7 @@ fn took(balance: &RoundedAccount, runs: usize) -> String {
     format!("{who} {:.1} s, {beside}", seconds_of(balance.recorded))
 }
 
-/// Returns `true` if more is unexplained than a prediction may be off by.
+/// Returns `true` if the unexplained part exceeds the usual error of a prediction.
 fn is_much(balance: &RoundedAccount) -> bool {
     MIN_UNEXPLAINED_SHARE * seconds_of(balance.recorded) < seconds_of(balance.unexplained_sum)
 }
@@ -87,7 +87,7 @@ fn hidden(balance: &RoundedAccount) -> bool {
         && MIN_CANCELLED_RATIO * net <= balance.unexplained_sum
 }
 
-/// Describes the unexplained part.
+/// Returns a clause on the unexplained part.
 fn left(balance: &RoundedAccount) -> String {
     let net = written(balance.unexplained);
     match (hidden(balance), balance.unexplained) {
@@ -100,7 +100,7 @@ fn left(balance: &RoundedAccount) -> String {
     }
 }
 
-/// Returns the causes with their times, the largest first; several halts are one.
+/// Returns the causes with their times, the largest first; several halts are one entry.
 fn causes_in_words(causes: &[CauseRow], balance: &RoundedAccount) -> String {
     let is_hold = |cause: &&CauseRow| cause.effect == FEED_HOLD;
     let holds: Vec<&CauseRow> = causes.iter().filter(is_hold).collect();
@@ -138,7 +138,7 @@ fn of_holds(holds: &[&CauseRow]) -> String {
     format!("the operator held the feed {} times, in lines {named}{more}", holds.len())
 }
 
-/// Describes a periodic pulsation of the feedrate.
+/// Returns a sentence on a periodic pulsation of the feedrate.
 fn of_pace(Pulsation { frequency, depth }: Pulsation) -> String {
     format!(
         "The feedrate oscillates {frequency:.1} times a second by {:.1} %, with time and not with the program, as under adaptive control or an oscillating load: no setting of the machine causes that.",

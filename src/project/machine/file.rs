@@ -1,4 +1,4 @@
-//! The machine file: TOML, units in the key names, an unknown key is an error.
+//! The machine file: TOML with units in the names of keys; an unknown key is an error.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use crate::project::machine::written::{
 ///
 /// # Errors
 ///
-/// The first thing wrong with the text, with its place.
+/// Returns the first fault of the text, with its place.
 ///
 /// # Examples
 ///
@@ -110,8 +110,8 @@ fn by_table() -> Vec<&'static Parameter> {
     rows
 }
 
-/// Returns all parameters that the simulation reads as text for comparison: machines with equal texts move
-/// equally, whatever their names and costs.
+/// Returns all parameters that the simulation reads, as text for comparison: machines with equal texts have
+/// the same motion, even if their names and costs differ.
 pub fn motion_of_machine(machine: &Machine) -> String {
     let neutral = Machine::default();
     let machine = Machine {

@@ -26,7 +26,7 @@ pub(in crate::project) struct FormField {
     pub(in crate::project) key: &'static str,
     pub(in crate::project) label: &'static str,
     pub(in crate::project) doc: &'static str,
-    /// Group of the field, as people call it.
+    /// Name of the field's group, for people.
     pub(in crate::project) group: &'static str,
     /// Neutral value.
     pub(in crate::project) neutral: Value,
@@ -63,7 +63,7 @@ impl FormField {
         }
     }
 
-    /// Turns the field into a number, or a list of numbers, between `bounds` in `unit`.
+    /// Returns the field as a number, or a list of numbers, within `bounds` in `unit`.
     pub(in crate::project) fn of_numbers(
         self,
         kind: &'static str,
@@ -173,8 +173,8 @@ pub(in crate::project) fn values(machine: &Machine) -> Map<String, Value> {
     filled(values)
 }
 
-/// Returns a filled form from keys and values, inserted one by one: collecting sorts them first, and each
-/// place that collects adds another sort, 4 kB, to the module of a first visit.
+/// Returns a filled form from keys and values. They are inserted one by one, because `collect` sorts them
+/// first, and each call of `collect` adds another sort of 4 kB to the WebAssembly module.
 pub(in crate::project) fn filled(values: impl Iterator<Item = (String, Value)>) -> Map<String, Value> {
     let mut map = Map::new();
     map.extend(values);
@@ -214,7 +214,7 @@ pub fn machine_from_form(json: &str) -> Result<Machine, Vec<TextFault>> {
     if faults.is_empty() { Ok(machine) } else { Err(faults) }
 }
 
-/// Returns a filled form with one field changed, all as JSON; `None` if `form` or `value` is no JSON. A
+/// Returns a filled form with one field changed, all as JSON; `None` if `form` or `value` is not JSON. A
 /// change of the machine's motion clears the errors of its calibration, which no longer apply.
 pub fn edited(form: &str, key: &str, value: &str) -> Option<String> {
     let mut values: Map<String, Value> = serde_json::from_str(form).ok()?;

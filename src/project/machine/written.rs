@@ -26,7 +26,7 @@ pub const CALIBRATION_KEYS: [&str; 14] = [
 pub const REQUIRED_KEYS: [&str; 3] =
     ["interpolator.filters", "interpolator.contour_tolerance_mm", "times.tool_change_s"];
 
-/// Also required unless each axis has a rapid feedrate.
+/// Key that is also required unless each axis has a rapid feedrate.
 pub const RAPID_KEY: &str = "rapid.feed_mm_min";
 
 /// A value as written, in the unit of its key.
@@ -52,8 +52,8 @@ pub fn known_parameter(key: &str) -> Result<&'static Parameter, TextFault> {
     })
 }
 
-/// Returns the index of a key in the table. Values are set in this order, because some need others to be set:
-/// a damping ratio its mode.
+/// Returns the index of a key in the table. Values are set in this order, because some depend on others: a
+/// damping ratio on its mode.
 pub fn position(key: &str) -> usize {
     PARAMETERS.iter().position(|row| row.key == key).unwrap_or(PARAMETERS.len())
 }
@@ -111,7 +111,7 @@ pub fn set(machine: &mut Machine, key: &str, written: WrittenValue) -> Result<()
             }
         }
         (Access::Codes { get_mut, .. }, WrittenValue::Empty) => get_mut(machine).clear(),
-        // A form does not distinguish tables of numbers.
+        // In a form all tables of numbers look alike.
         (Access::Tools, WrittenValue::Tools(tools) | WrittenValue::Codes(tools)) => {
             machine.tools.clear();
             for (tool, diameter) in tools {
@@ -128,7 +128,7 @@ pub fn set(machine: &mut Machine, key: &str, written: WrittenValue) -> Result<()
     Ok(())
 }
 
-/// Describes the format of a parameter to someone who used another one.
+/// Returns a description of the format of a parameter, for a user who wrote a different one.
 fn form_of(access: &Access, written: &WrittenValue) -> String {
     let in_unit = |unit: &Unit| match unit.symbol() {
         "" => String::new(),
@@ -181,8 +181,8 @@ pub fn written(machine: &Machine, row: &Parameter) -> Option<WrittenValue> {
     }
 }
 
-/// Rounds a number to a short decimal if it differs from it by rounding alone: 12000 mm/min must not come
-/// back from mm/s as 11999.999999999998.
+/// Rounds a number to a short decimal if the difference is only rounding: 12000 mm/min must not come back
+/// from mm/s as 11999.999999999998.
 pub fn tidy(value: f64) -> f64 {
     let short: f64 = format!("{value:.12e}").parse().expect("a number as printed is a number");
     if (short - value).abs() <= 4.0 * f64::EPSILON * value.abs() { short } else { value }

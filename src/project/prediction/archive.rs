@@ -19,7 +19,7 @@ use crate::simulation::gcode::{ArcCenters, Dialect, Options};
 /// A line of an archive.
 #[derive(Clone, Debug, Serialize)]
 pub struct ArchiveLine<'a> {
-    /// Path of the program, as it was named or found.
+    /// Path of the program as given, or as found in a folder.
     pub path: &'a str,
     /// Key of the program and its request.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -33,7 +33,7 @@ pub struct ArchiveLine<'a> {
 }
 
 impl ArchiveLine<'_> {
-    /// Returns the line as JSON text, with its end.
+    /// Returns the line as JSON text, with its line ending.
     pub fn to_line(&self) -> String {
         let mut line = serde_json::to_string(self).expect("text and finite numbers have a JSON form");
         line.push('\n');
@@ -67,25 +67,25 @@ impl LineOwner {
     }
 }
 
-/// Beginning of a line.
+/// Beginning of every line of an archive.
 const LINE_BEGINNING: &[u8] = b"{\"path\":\"";
 
 /// Text that follows the path.
 const AFTER_PATH: [&[u8]; 2] = [b",\"key\":\"", b",\"error\":\""];
 
-/// The text that bytes without an end of line can be the beginning of.
+/// The kind of text that bytes without an end of line may begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineBeginning {
-    /// Nothing that an archive holds.
+    /// The bytes do not begin a line of an archive.
     Other,
-    /// A line of an archive, or anything else that begins alike.
+    /// The bytes may begin a line of an archive, or another text with the same beginning.
     Perhaps,
-    /// A line of an archive: the text that follows its path is there.
+    /// The bytes begin a line of an archive: they contain a whole path and the name of the next field.
     Line,
 }
 
 impl LineBeginning {
-    /// Returns what `bytes` are the beginning of.
+    /// Returns the kind of text that `bytes` begin.
     pub fn of(bytes: &[u8]) -> LineBeginning {
         let perhaps = |is_so: bool| if is_so { LineBeginning::Perhaps } else { LineBeginning::Other };
         let Some(mut path) = bytes.strip_prefix(LINE_BEGINNING) else {
@@ -96,7 +96,7 @@ impl LineBeginning {
                 [] | [b'\\'] => return LineBeginning::Perhaps,
                 [b'\\', _, rest @ ..] => rest,
                 [b'"', after @ ..] => {
-                    // Whole JSON is no part of a line.
+                    // Complete JSON is not the beginning of a line.
                     let is_whole = serde_json::from_slice::<IgnoredAny>(bytes).is_ok();
                     return match AFTER_PATH.iter().any(|word| after.starts_with(word)) {
                         true if !is_whole => LineBeginning::Line,
@@ -120,7 +120,7 @@ impl ArchiveKeys {
         ArchiveKeys::by_version(VERSION, machine, tolerances, options)
     }
 
-    /// Returns the keys for a version of the build: another version may predict another time.
+    /// Returns the keys for a version of the build: a different version may predict a different time.
     fn by_version(version: &str, machine: &Machine, tolerances: &[f64], options: &Options) -> ArchiveKeys {
         let machine = toml_from_machine(machine);
         let dialect = options.dialect.map_or("", Dialect::word);
@@ -141,8 +141,8 @@ const KEY_DIGITS: usize = 16;
 /// Offset basis of FNV-1a.
 const FNV_OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// Returns the 64-bit FNV-1a hash (Fowler, Noll, Vo): it detects changes of a program, and protects against
-/// no attacker.
+/// Returns the 64-bit FNV-1a hash (Fowler, Noll, Vo): it detects changes of a program, but does not protect
+/// against attacks.
 fn digest(start: u64, bytes: &[u8]) -> u64 {
     bytes.iter().fold(start, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }

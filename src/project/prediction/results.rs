@@ -33,27 +33,27 @@ pub struct Prediction {
     version: &'static str,
 }
 
-/// One tolerance for the whole program, or the program's.
+/// The results at one tolerance for the whole program, or at the tolerances of the program.
 #[derive(Clone, Debug, Serialize)]
 struct RunRow {
-    /// If the program sets several, the one along most of the cut length.
+    /// Contour tolerance; if the program sets several, the one along most of the cut length.
     tolerance_mm: f64,
     /// Ranges of the program's tolerances; left out if one tolerance replaces them or the program sets none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     tolerances: Vec<ToleranceRangeRow>,
     cycle_time_s: f64,
     breakdown: BreakdownRow,
-    /// In the order they are run; they add up to the breakdown.
+    /// Operations in the order they are run; they add up to the breakdown.
     operations: Vec<OperationShareRow>,
-    /// In the order of first use; they add up to the breakdown.
+    /// Tools in the order of first use; they add up to the breakdown.
     tools: Vec<ToolShareRow>,
-    /// Against length over feedrate.
+    /// Time lost against length over feedrate.
     lost: LostTimesRow,
     max_contour_error_mm: f64,
     /// Regions with a contour error above the tolerance.
     beyond_tolerance: Vec<RegionRow>,
     price: f64,
-    /// Range of the time on a calibrated machine; left out on others.
+    /// Range of the time on a calibrated machine; left out on other machines.
     #[serde(skip_serializing_if = "Option::is_none")]
     range: Option<RangeRow>,
     /// Doubts about the cycle time and their reasons, one sentence; left out if there are none.
@@ -73,7 +73,7 @@ pub struct ToleranceRangeRow {
     tolerance_mm: f64,
     /// Blending that the program requests: exact_stop, machine, tolerance or distance.
     mode: &'static str,
-    /// The words that request it; empty before the first.
+    /// The words that request the blending; empty before the first of them.
     source: String,
 }
 
@@ -133,7 +133,7 @@ struct FunctionsRow {
 struct OperationShareRow {
     /// First line.
     line: u32,
-    /// Least and greatest line that it runs.
+    /// Least and greatest line of the operation.
     lines: [u32; 2],
     distance_mm: [f64; 2],
     tool: Option<u32>,
@@ -141,7 +141,7 @@ struct OperationShareRow {
     name: Option<String>,
     #[serde(flatten)]
     part: ShareFields,
-    /// As in the run.
+    /// Demands of the cut on tool and spindle in the operation.
     #[serde(skip_serializing_if = "Option::is_none")]
     cutting: Option<OperationLoadRow>,
 }
@@ -293,7 +293,7 @@ impl Prediction {
     }
 
     /// Adds the loads of a cut at the programmed and the predicted feedrate, one pair per run, or the reason
-    /// why there are none.
+    /// why there are no loads.
     pub fn with_cutting(
         mut self,
         setup: &Setup,
@@ -335,7 +335,8 @@ impl Prediction {
     }
 }
 
-/// Returns a sentence on what a table with this spacing (s) leaves out; `None` if it follows the profile.
+/// Returns a sentence on the features that a table with this spacing (s) leaves out; `None` if the table
+/// follows the profile.
 pub fn spacing_note(spacing: Option<f64>) -> Option<String> {
     spacing.map(|spacing| {
         format!("The program is long, so there is one point every {spacing:.3} s: shorter dips of the feedrate may be missing. Times and errors are exact.")

@@ -15,15 +15,15 @@ const MIN_TIME_DIFFERENCE_S: f64 = 0.01;
 /// Least difference of length of a run that is listed, mm.
 const MIN_LENGTH_DIFFERENCE_MM: f64 = 0.001;
 
-/// The settings of one revision, as a page requests them.
+/// The settings of one revision in the page's request.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RevisedSide {
     /// Filled machine form as JSON.
     machine: String,
-    /// Dialect, arc centres, or both; `None` for the ones that the program shows.
+    /// Dialect, arc centres, or both; `None` to detect them from the program.
     dialect: Option<String>,
-    /// Contour tolerance, mm; `None` for the program's.
+    /// Contour tolerance, mm; `None` for the tolerances of the program.
     tolerance: Option<f64>,
 }
 
@@ -55,7 +55,7 @@ pub struct RevisionsReport {
     /// Cycle times of the first and of the second, s.
     cycle_time_s: [f64; 2],
     difference_s: f64,
-    /// Lengths of their moves, mm.
+    /// Lengths of the moves of the first and of the second, mm.
     length_mm: [f64; 2],
     /// Runs of lines with the largest difference of time, the largest first.
     runs: Vec<RevisedRow>,
@@ -72,7 +72,7 @@ struct RevisedRow {
     seconds: [f64; 2],
     difference_s: f64,
     length_mm: [f64; 2],
-    /// Distance of the second's lines along its path.
+    /// Distances of the lines of the second revision along its path.
     distance_mm: Option<[f64; 2]>,
 }
 
@@ -99,8 +99,8 @@ impl RevisionsReport {
 }
 
 impl RevisedRow {
-    /// Returns `false` if the lines take equally long and move equally far, though they may be written
-    /// differently.
+    /// Returns `true` if time or length of the lines differ; lines that are only written differently do not
+    /// differ.
     fn differs(&self) -> bool {
         MIN_TIME_DIFFERENCE_S <= self.difference_s.abs()
             || MIN_LENGTH_DIFFERENCE_MM <= (self.length_mm[1] - self.length_mm[0]).abs()

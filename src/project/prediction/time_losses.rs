@@ -1,4 +1,4 @@
-//! Time losses as JSON with texts: a part of `predict --json`, listed on the page.
+//! Time losses as JSON with texts: a part of `predict --json` that the page lists.
 
 use serde::Serialize;
 
@@ -10,11 +10,11 @@ use crate::units::mm_per_min;
 /// The time that one run loses against length over feedrate.
 #[derive(Clone, Debug, Serialize)]
 pub(in crate::project) struct LostTimesRow {
-    /// Total.
+    /// Total time lost.
     seconds: f64,
-    /// Time lost elsewhere than at the places.
+    /// Time lost at other places than the listed ones.
     elsewhere_s: f64,
-    /// Places that cost most, by their seconds.
+    /// Places that lose most, by their seconds.
     places: Vec<TimeLossRow>,
 }
 
@@ -93,7 +93,7 @@ fn text(reason: &LossReason) -> String {
     }
 }
 
-/// Names the function that the machine waits for.
+/// Returns the name of the function for which the machine waits.
 fn of_cause(cause: &StopCause) -> String {
     match cause {
         StopCause::Dwell { seconds } => format!("dwell of {seconds} s"),

@@ -17,7 +17,7 @@ pub(in crate::project) struct RangeRow {
     pub(in crate::project) sentence: String,
 }
 
-/// A feature that was not shown, with its part of the time.
+/// A feature that the calibration did not show, with its part of the time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct UnshownRow {
     what: String,

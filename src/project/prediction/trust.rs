@@ -8,11 +8,11 @@ use crate::simulation::gcode::DoubtCause;
 /// The doubts about a cycle time.
 #[derive(Clone, Debug, Serialize)]
 pub struct TrustRow {
-    /// Largest error of the cycle time from the doubts that have a bound.
+    /// Largest error of the cycle time by the doubts that have a bound.
     seconds_in_doubt: f64,
     /// `true` if every doubt has a bound.
     bounded: bool,
-    /// One sentence each.
+    /// Reasons, one sentence each.
     reasons: Vec<String>,
     /// The reasons as data.
     causes: Vec<DoubtRow>,
@@ -22,7 +22,7 @@ pub struct TrustRow {
 struct DoubtRow {
     id: &'static str,
     count: usize,
-    /// First and last.
+    /// First and last line.
     lines: [u32; 2],
     seconds: Option<f64>,
 }
@@ -70,7 +70,7 @@ fn reason_sentence(doubt: &CauseInDoubt) -> String {
     }
 }
 
-/// Returns how often a reason occurs and where first.
+/// Returns the number of occurrences of a reason and the first line, in words.
 fn counted_words(doubt: &CauseInDoubt) -> String {
     let [_, one, several] = words(doubt.cause);
     let line = doubt.lines.0.0;

@@ -1,9 +1,9 @@
-//! A recording beside the simulation as JSON: the summary, the places where time was lost, and the alignment;
-//! or the reason why they cannot be compared, with advice.
+//! The comparison of a recording with the simulation as JSON: the summary, the places where time was lost,
+//! and the alignment; or the reason why they cannot be compared, with advice.
 //!
-//! A place is a run of motion of at least [`MIN_PLACE_SHARE`] of the time, and of [`MIN_PLACE_POLLS`] polls of a
-//! log that names lines only now and then, as it resolves no place better. A line that loses a quarter of that is
-//! a place by itself, and so are lines that wait, several in a row as one.
+//! A place is a run of motion of at least [`MIN_PLACE_SHARE`] of the time, and in a polled log of lines of at
+//! least [`MIN_PLACE_POLLS`] polls, because the log resolves no shorter place. A line that loses a quarter of
+//! that time is a place by itself; consecutive lines that wait are one place.
 
 use serde::Serialize;
 
@@ -17,16 +17,16 @@ use crate::simulation::profile::FeedCurve;
 use crate::simulation::toolpath::{StopCause, Toolpath};
 use crate::units::{micrometres, mm_per_min};
 
-/// Least length of a place, as a part of the whole time.
+/// Least duration of a place, as a part of the whole time.
 const MIN_PLACE_SHARE: f64 = 0.01;
-/// Least length of a place, in polls.
+/// Least duration of a place, in polls.
 const MIN_PLACE_POLLS: f64 = 10.0;
-/// Part of a place's least length from which a line is a place by itself.
+/// Part of the least duration of a place from which on a line is a place by itself.
 const SINGLE_LINE_RATIO: f64 = 0.25;
 /// Most places that are listed.
 const MAX_LISTED_PLACES: usize = 20;
 
-/// A recording beside the simulation.
+/// The comparison of a recording with the simulation.
 #[derive(Clone, Debug, Serialize)]
 pub struct ComparisonReport {
     /// Summary, which comes first.
@@ -97,7 +97,7 @@ impl ComparisonReport {
         }
     }
 
-    /// Returns the report with a note on what a chart of the simulation leaves out.
+    /// Returns the report with a note on the features that a chart of the simulation leaves out.
     pub fn drawn_by(mut self, curve: &FeedCurve) -> ComparisonReport {
         self.remarks.extend(spacing_note(curve.spacing));
         self
@@ -189,7 +189,7 @@ impl From<&AlignmentError> for ComparisonRefusal {
     }
 }
 
-/// Formats seconds with as many decimals as matter.
+/// Formats seconds with the decimals that suit their size.
 pub(in crate::project) fn seconds(value: f64) -> String {
     if value == 0.0 {
         return "0 s".to_string();
@@ -309,7 +309,7 @@ fn remarks(log: &Log, switches: &OverrideSwitches, alignment: &Alignment) -> Vec
     all
 }
 
-/// Turns a clause into a sentence.
+/// Returns a clause as a sentence.
 pub(in crate::project) fn sentence_of(clause: &str) -> String {
     let mut letters = clause.chars();
     let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
@@ -400,7 +400,7 @@ fn place_rows(toolpath: &Toolpath, alignment: &Alignment, comparison: &Compariso
     all
 }
 
-/// Joins consecutive visits, at least one, to a place.
+/// Returns the place of consecutive visits, at least one.
 fn place_row(toolpath: &Toolpath, visits: &[VisitTimes]) -> PlaceRow {
     let (first, last) = (&visits[0], &visits[visits.len() - 1]);
     let lines = visits.iter().map(|visit| visit.line.0);

@@ -18,10 +18,10 @@ const LEGEND: &str = "Read off the recordings without a model: dots with their s
                       through them, and open circles for what the machine file does at the same places.";
 /// Digits of a number in the data.
 const DATA_DIGITS: usize = 6;
-/// Relative spread below which digits are rounding.
+/// Relative spread below which differences are only rounding.
 const MIN_SPREAD_RATIO: f64 = 1e-4;
 
-/// The laws that recordings show of a machine, whatever its family.
+/// The laws of a machine of any family as recordings show them.
 #[derive(Clone, Debug, Serialize)]
 pub struct MeasuredReport {
     laws: Vec<LawRow>,
@@ -39,7 +39,7 @@ struct LawRow {
     axes: [String; 2],
     points: Vec<Map<String, Value>>,
     curve: Vec<Map<String, Value>>,
-    /// The events of the simulated machine; empty if it has none.
+    /// The points of the simulated machine; empty if none was simulated.
     simulated: Vec<Map<String, Value>>,
     /// Simulated less measured; null if no event is in both.
     model_error: Option<Map<String, Value>>,
@@ -170,7 +170,7 @@ fn in_short(law: &MeasuredLaw) -> String {
     format!("{ends}; the machine file is off by {size}{beside} {}", value.2.symbol())
 }
 
-/// Returns the chart of a law in a report, given as JSON; `None` if it is no law.
+/// Returns the chart of a law in a report, given as JSON; `None` if the text is not a law.
 pub fn law_chart(law: &str) -> Option<LawChart> {
     let row: Value = serde_json::from_str(law).ok()?;
     let kind = LawKind::ALL.into_iter().find(|kind| row["id"] == form(*kind).id)?;

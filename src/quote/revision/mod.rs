@@ -1,9 +1,8 @@
-//! Two revisions of a program → where they differ, in lines, in path and in time.
+//! Two revisions of a program → their differences in lines, path and time.
 //!
-//! Each line of a program takes the time of its moves and stops, and all lines together the cycle time. The
-//! time that a rest-to-rest motion loses to the filters belongs half to its first line and half to its last.
-//! A line that both revisions have may differ in time: by a feedrate that is set before it, or on another
-//! machine.
+//! The time of a line is that of its moves and stops; the times of all lines add up to the cycle time. The
+//! filter delay of a rest-to-rest motion belongs half to its first line and half to its last. A line that
+//! both revisions have may differ in time: because of a feedrate set before it, or on another machine.
 
 mod lines;
 
@@ -47,11 +46,11 @@ pub struct Revisions {
     pub runs: Vec<RevisedLines>,
     /// Distances along the path of the second, mm, ascending.
     pub distance: Vec<f64>,
-    /// Delay of the second against the first there, s.
+    /// Delay of the second revision against the first at each distance, s.
     pub later: Vec<f64>,
 }
 
-/// Time and length of the lines of a program by number; index 0 holds everything before the first line.
+/// Time and length of the lines of a program by number; index 0 is everything before the first line.
 struct LineTotals {
     seconds: Vec<f64>,
     length: Vec<f64>,
@@ -107,12 +106,12 @@ impl LineTotals {
     }
 }
 
-/// Returns the sum of values, +0 if there are none: an empty iterator sums to −0, which people would see.
+/// Returns the sum of values, +0 if there are none: an empty iterator sums to −0, which a table would show.
 fn sum(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |sum, value| sum + value)
 }
 
-/// Returns where two revisions of a program differ.
+/// Returns the comparison of two revisions of a program.
 pub fn revisions(first: &Revision, second: &Revision) -> Revisions {
     let (runs, counts) = runs(first.text, second.text);
     let [before, after] =
@@ -152,9 +151,9 @@ fn places(toolpath: &Toolpath, lines: usize) -> Vec<Option<(f64, f64)>> {
     places
 }
 
-/// Returns how much later the second revision is than the first along its path. The extra time of a line is
-/// spread over its moves, that of replaced lines over all of their moves; the delay of lines without moves
-/// appears at the next move.
+/// Returns the delay of the second revision against the first along the path of the second: distances (mm)
+/// and delays (s). The extra time of a line is spread over its moves, that of replaced lines over all of
+/// their moves; the delay of lines without moves appears at the next move.
 fn delay_curve(
     toolpath: &Toolpath,
     runs: &[RevisedLines],
@@ -187,7 +186,7 @@ fn delay_curve(
     let (mut travelled, mut behind, mut passed) = (0.0, 0.0, 0);
     for (segment, end) in toolpath.segments.iter().zip(toolpath.ends()) {
         let line = (segment.line.0 as usize).min(lines - 1);
-        // A loop returns to lines that were passed.
+        // A loop returns to lines that were run before.
         if passed <= line {
             behind += sum(&steps[passed..=line]);
             passed = line + 1;

@@ -22,7 +22,7 @@ pub(super) fn lengths_that_close<'a>(
     before: Option<&'a Segment>,
     next: Option<&'a Segment>,
 ) -> impl Iterator<Item = f64> {
-    // The axes of the words, as far as they lie in the plane of the arc.
+    // The coordinate axes of the words that lie best in the plane of the arc.
     let normal = arc.e1.cross(&arc.e2);
     let axes = axes_across(&normal);
     let flat = |point: Point| axes.map(|axis: Vector| point.coords.dot(&axis));
@@ -83,7 +83,7 @@ fn candidates(given: PlaneArc) -> Vec<PlaneArc> {
             let mut nearer = given;
             nearer.end[axis] = center[axis] + aside;
             found.push(nearer);
-            // Or the start moves, and with it the centre, which is relative to it.
+            // Or the start moves, and with it the centre, which is given relative to the start.
             let shift = end[axis] + aside - center[axis];
             let mut shifted = given;
             shifted.start[axis] += shift;

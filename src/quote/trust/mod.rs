@@ -12,7 +12,7 @@
 //! | hole missing | the longest of the program, or one over all its heights |
 //! | unknown position | [`ASSUMED_TRAVEL_MM`] there and back in rapid |
 //!
-//! A bound includes the time of a stop, as the path around it changes. A doubt that nothing bounds has no
+//! A bound includes the time of a stop, as the path around the doubt changes. A doubt without a bound has no
 //! seconds.
 
 mod arcs;
@@ -30,15 +30,15 @@ use std::f64::consts::TAU;
 pub const ASSUMED_TRAVEL_MM: f64 = 1000.0;
 /// Slowest feedrate assumed for a program that sets none, mm/s: 100 mm/min.
 pub const MIN_FEEDRATE_MM_S: f64 = 100.0 / 60.0;
-/// Index of the axis along which passes differ.
+/// Index of the axis along which the passes of a program differ.
 const TOOL_AXIS: usize = 2;
-/// Number of moves of an axis before and after a doubt that show its possible positions.
+/// Number of moves of an axis before and after a doubt that show the possible positions of the axis.
 const NEARBY_MOVES: usize = 6;
 /// Number of segments before and after a doubt in which these moves are searched.
 const NEARBY_SEGMENTS: usize = 100;
 /// Ratio by which a missing feedrate may be slower or faster than those of the program.
 const FEEDRATE_MARGIN_RATIO: f64 = 2.0;
-/// A dwell in seconds instead of milliseconds is longer by this multiple of the latter.
+/// Multiple of a dwell in milliseconds by which the same number in seconds is longer.
 const SECONDS_OVER_MILLISECONDS: f64 = 999.0;
 
 /// The doubts about a cycle time.
@@ -57,12 +57,12 @@ pub struct CauseInDoubt {
     pub count: usize,
     /// First and last line of the program.
     pub lines: (LineNumber, LineNumber),
-    /// Largest error of the cycle time in either direction, s; `None` if nothing bounds it.
+    /// Largest error of the cycle time in either direction, s; `None` if it has no bound.
     pub seconds: Option<f64>,
 }
 
 impl Trust {
-    /// Returns how much the cycle time may be too long or too short, s, by the doubts that have a bound.
+    /// Returns the largest error of the cycle time in either direction by the doubts that have a bound, s.
     pub fn seconds_in_doubt(&self) -> f64 {
         self.doubts.iter().filter_map(|doubt| doubt.seconds).fold(0.0, |sum, seconds| sum + seconds)
     }
@@ -72,7 +72,7 @@ impl Trust {
         self.doubts.iter().all(|doubt| doubt.seconds.is_some())
     }
 
-    /// Adds a doubt; one more of the same move is not counted.
+    /// Adds a doubt; `is_counted` is `false` for a further doubt about the same move.
     fn add(&mut self, cause: DoubtCause, line: LineNumber, seconds: Option<f64>, is_counted: bool) {
         let found = self.doubts.iter().position(|known| known.cause == cause);
         let index = found.unwrap_or_else(|| {
@@ -203,7 +203,7 @@ impl<'a> DoubtBounds<'a> {
             .then(|| depth / self.feedrates[0] + depth / self.machine.rapid.feedrate + 2.0 * self.stop)
     }
 
-    /// Returns by how much the cycle time may be off through `doubt`, s; `None` if nothing bounds it.
+    /// Returns the largest error of the cycle time by `doubt`, s; `None` if it has no bound.
     fn seconds(&self, doubt: &Doubt) -> Option<f64> {
         match doubt.effect {
             DoubtEffect::Words(letters) => Some(self.words_bound(doubt, letters)),
@@ -241,7 +241,7 @@ impl<'a> DoubtBounds<'a> {
         doubt.after..end.unwrap_or(doubt.until.min(segments.len()))
     }
 
-    /// Bounds the next arc with more or fewer full turns, s.
+    /// Returns a bound for the next arc with more or fewer full turns, s.
     fn turns_bound(&self, doubt: &Doubt, turns: impl Fn(&Arc) -> f64) -> f64 {
         let segment = self.toolpath.segments.get(doubt.after).filter(|segment| segment.line == doubt.line);
         match segment.map(|segment| segment.curve) {
@@ -253,7 +253,8 @@ impl<'a> DoubtBounds<'a> {
         }
     }
 
-    /// Bounds the holes of a block with `per_made` pecks for each that is made, each as long as those on average, s.
+    /// Returns a bound for the holes of a block with `per_made` pecks for each modelled peck, each of the
+    /// mean duration of the modelled ones, s; `None` without a bound.
     fn pecks_bound(&self, doubt: &Doubt, per_made: f64) -> Option<f64> {
         let own = self.own(doubt);
         let first = self.toolpath.stops.partition_point(|stop| stop.after <= own.start);
@@ -263,7 +264,8 @@ impl<'a> DoubtBounds<'a> {
         Some((per_made - 1.0) * (moves + dwells)).filter(|seconds| seconds.is_finite())
     }
 
-    /// Bounds a dwell in milliseconds that may be in seconds, or one that is missing, s.
+    /// Returns a bound for a dwell in milliseconds that may be in seconds, or for a missing dwell, s; `None`
+    /// without a bound.
     fn dwell_bound(&self, doubt: &Doubt) -> Option<f64> {
         let stops = &self.toolpath.stops;
         let first = stops.partition_point(|stop| stop.after < doubt.after);
@@ -275,7 +277,7 @@ impl<'a> DoubtBounds<'a> {
         own.or(self.dwell)
     }
 
-    /// Bounds feed moves that may have any feedrate of the program, s.
+    /// Returns a bound for feed moves that may have any feedrate of the program, s.
     fn feed_bound(&self, segments: std::ops::Range<usize>) -> f64 {
         let [slowest, fastest] = self.feedrates;
         let (mut slower, mut faster) = (0.0, 0.0);
@@ -289,14 +291,14 @@ impl<'a> DoubtBounds<'a> {
         slower.max(faster)
     }
 
-    /// Bounds feed moves that the machine may run no faster than in rapid, s.
+    /// Returns a bound for feed moves that the machine may run no faster than in rapid, s.
     fn fast_feed_bound(&self, segments: std::ops::Range<usize>) -> f64 {
         let feeds = self.between(segments).filter(|(_, segment)| segment.motion != Motion::Rapid);
         let rapid = self.machine.rapid.feedrate;
         feeds.map(|(index, segment)| (segment.length / rapid - seconds_of(self.plan, index)).max(0.0)).sum()
     }
 
-    /// Bounds moves that may be in rapid or in feed, s.
+    /// Returns a bound for moves that may be in rapid or in feed, s.
     fn motion_word_bound(&self, segments: std::ops::Range<usize>) -> f64 {
         let (mut in_rapid, mut in_feed) = (0.0, 0.0);
         for (index, segment) in self.between(segments) {
@@ -311,7 +313,7 @@ impl<'a> DoubtBounds<'a> {
         in_rapid.max(in_feed)
     }
 
-    /// Bounds moves at the end of which holes may be drilled, s.
+    /// Returns a bound for moves at the end of which holes may be drilled, s; `None` without a bound.
     fn cycle_word_bound(&self, segments: std::ops::Range<usize>) -> Option<f64> {
         let moves = segments.len().max(1) as f64;
         self.hole.map(|hole| moves * (hole + self.stop) + self.motion_word_bound(segments))
@@ -321,7 +323,7 @@ impl<'a> DoubtBounds<'a> {
         range.filter_map(|index| Some((index, self.toolpath.segments.get(index)?)))
     }
 
-    /// Bounds missing axis words and arc centres, s.
+    /// Returns a bound for missing axis words and arc centres, s.
     fn words_bound(&self, doubt: &Doubt, letters: Letters) -> f64 {
         let arc = if letters.meets(Letters::of(b"IJKR")) { self.arc_bound(doubt) } else { 0.0 };
         let axes = [b"X", b"Y", b"Z"].map(|letter| letters.meets(Letters::of(letter)));
@@ -331,7 +333,7 @@ impl<'a> DoubtBounds<'a> {
         arc.max(self.position_bound(doubt, axes)).max(self.arc_end_bound(doubt))
     }
 
-    /// Bounds a move that may end anywhere along `axes` between nearby positions, s.
+    /// Returns a bound for a move that may end anywhere along `axes` between nearby positions, s.
     fn position_bound(&self, doubt: &Doubt, axes: [bool; 3]) -> f64 {
         let segments = &self.toolpath.segments;
         let own = self.own(doubt);
@@ -369,7 +371,7 @@ impl<'a> DoubtBounds<'a> {
         let fastest = if own.is_empty() { self.machine.rapid.feedrate } else { there.max(on) };
         let shortest = (end - start).norm() / fastest;
         let bound = (longest - run).max(run - shortest).max(0.0) + self.stop;
-        // A move that is not run at all is assumed to be like those around it.
+        // A move that is not run at all is assumed to be like the moves around it.
         if own.is_empty() { bound.max(self.longest_move_near(doubt.after)) } else { bound }
     }
 
@@ -419,8 +421,8 @@ impl<'a> DoubtBounds<'a> {
         Some(if speed.is_finite() && 0.0 < speed { speed.min(programmed) } else { programmed })
     }
 
-    /// Bounds the next arc, with each of its coordinates in turn placed where it closes, and with half a
-    /// circle if there is none, s.
+    /// Returns a bound for the next arc with each of its coordinates in turn placed so that the arc closes,
+    /// and with half a circle if there is no arc, s.
     fn arc_bound(&self, doubt: &Doubt) -> f64 {
         let segments = &self.toolpath.segments;
         let Some(segment) = segments.get(doubt.after).filter(|segment| segment.line == doubt.line) else {
@@ -442,7 +444,7 @@ impl<'a> DoubtBounds<'a> {
         }
     }
 
-    /// Bounds an arc to an end that is in doubt, s.
+    /// Returns a bound for an arc whose end is in doubt, s.
     fn arc_end_bound(&self, doubt: &Doubt) -> f64 {
         let segment = self.toolpath.segments.get(doubt.after).filter(|segment| segment.line == doubt.line);
         match segment.map(|segment| segment.curve) {

@@ -1,27 +1,26 @@
-//! The plan that holds the contour tolerance everywhere, and is not slower than it needs to be.
+//! The plan that keeps the contour tolerance everywhere, and is hardly slower than necessary.
 //!
-//! The isolated law knows one corner. Where several lie under one filter delay the filtered path
-//! may leave the programmed one by more than the tolerance (their deviations add up), or by less
-//! (the law is too cautious). So the plan is corrected by what it does: with the contour error e
-//! measured at each corner and arc,
+//! The isolated law considers one corner. If several corners lie within one filter delay, the filtered path
+//! may leave the programmed one by more than the tolerance (their deviations add up), or by less (the law is
+//! too cautious). The plan is therefore corrected by its contour error e, measured at each corner and arc:
 //!
 //! ```text
 //! c ← c (ε / e)^p
 //! ```
 //!
-//! where c is the command at the corner, or along the arc, and ε the tolerance. An isolated
-//! corner has e ∝ c, a fine polyline e ∝ c² (it is an arc): with p = 0.7 the rest of the
-//! misfit shrinks by 0.3 and 0.4 a round, and neither swings.
+//! where c is the command at the corner, or along the arc, and ε the tolerance. At an isolated corner e ∝ c,
+//! on a fine polyline, as on an arc, e ∝ c²: with p = 0.7 each round multiplies the remaining misfit by 0.3
+//! or −0.4, so that it converges.
 //!
-//! After some rounds only reductions are made, until no error is above ε. They end, because a
-//! corner at c = 0 holds the command for a whole filter delay, and then e = 0: an exact stop.
-//! Only what lies within a filter delay of a change is measured again. Reductions may take too much
-//! where neighbours were to blame, so the whole is repeated from where it ended while that makes
-//! the program faster, and the fastest plan within tolerance is the result.
+//! After some rounds feedrates are only reduced, until no error is above ε. The reductions end, because a
+//! corner at c = 0 holds the command for a whole filter delay, and then e = 0: an exact stop. Only segments
+//! within a filter delay of a change are measured again. A corner may be reduced too much if a neighbour
+//! caused its error, so the rounds are repeated from their result while that makes the program faster; the
+//! fastest plan within tolerance is the result.
 //!
-//! Errors are measured at programmed points. Where the filtered path is too far from the lines between them all the
-//! same, as [`off_path_spans`] finds it, the corners it follows there are held to less, and the whole is gone
-//! through again.
+//! Errors are measured at programmed points. If the filtered path is nevertheless too far from the lines
+//! between them, as [`off_path_spans`] finds, the tolerance of the corners there is reduced, and the
+//! correction is repeated.
 
 use crate::machine::Machine;
 use crate::simulation::contour::off_path::{OffPathSpan, off_path_spans};
@@ -31,7 +30,7 @@ use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Curve, Toolpath};
 use std::collections::BTreeMap;
 
-/// p above.
+/// Exponent p.
 const STEP_EXPONENT: f64 = 0.7;
 
 /// Most passes, each of which undoes reductions that were too large.
@@ -46,10 +45,10 @@ const MIN_ARC_FACTOR: f64 = 1e-3;
 /// Number of rounds in which feedrates may rise.
 const FREE_ROUNDS: usize = 12;
 
-/// Number of rounds in which they only fall; corners that still miss the tolerance become stops.
+/// Number of rounds in which feedrates only fall; corners that then still exceed the tolerance become stops.
 const REDUCTION_ROUNDS: usize = 40;
 
-/// Number of rounds in which corners become stops; a stop may reveal that its neighbour misses.
+/// Number of rounds in which corners become stops; a stop may reveal that a neighbour exceeds the tolerance.
 const STOP_ROUNDS: usize = 50;
 
 /// An error this close below the tolerance, as a part of it, is not corrected.
@@ -58,14 +57,15 @@ const MAX_UNUSED_TOLERANCE: f64 = 0.01;
 /// Reductions aim this far below the tolerance, as a part of it, so that they end.
 const REDUCTION_MARGIN: f64 = 0.005;
 
-/// An isolated corner uses the whole tolerance, to within this part of it.
+/// Part of the tolerance by which an error may exceed it through rounding, as an isolated corner uses the
+/// whole tolerance.
 const ERROR_ROUNDING_RATIO: f64 = 1e-9;
 
-/// Most repetitions for filtered paths that stray between corners. On one of 4,000 hostile paths it did, by a
+/// Most repetitions for filtered paths that stray between corners. Of 4,000 hostile paths one strayed, by a
 /// quarter of the tolerance.
 const MAX_OFF_PATH_PASSES: usize = 8;
 
-/// Part of the remaining work that a round counts for in the progress: the number of rounds is not known in
+/// Part of the remaining work by which a round advances the progress: the number of rounds is not known in
 /// advance.
 const ROUND_PROGRESS_SHARE: f64 = 0.05;
 
@@ -100,15 +100,15 @@ impl RoundKind {
     }
 }
 
-/// Part of the tolerance that an arc and its corners are held to, for deviations between the points measured
-/// on it.
+/// Part of the tolerance that is allowed on an arc and at its corners, to cover deviations between the
+/// measured points.
 const ARC_TOLERANCE_RATIO: f64 = 0.99;
 
-/// Changes a requested feedrate by the error that it leads to; `planned` is the feedrate under all limits,
-/// and `ceiling` the largest known to be possible, all mm/s. Returns `false` if it does not change.
+/// Changes a requested feedrate by the error that it causes; `planned` is the feedrate under all limits, and
+/// `ceiling` the largest known to be possible, all mm/s. Returns `false` if it does not change.
 fn changed(requested: &mut f64, planned: f64, error: f64, ceiling: f64, round: RoundKind) -> bool {
     let Some(factor) = round.factor(error) else { return false };
-    // Raising a feedrate below which another limit holds the command changes nothing.
+    // Raising a feedrate has no effect if another limit already keeps the command below it.
     let held = planned < *requested * (1.0 - 1e-9) || ceiling <= planned;
     if 1.0 <= factor && held {
         return false;
@@ -117,7 +117,7 @@ fn changed(requested: &mut f64, planned: f64, error: f64, ceiling: f64, round: R
     true
 }
 
-/// Returns the fastest plan of all passes that holds the contour tolerances everywhere, with its contour
+/// Returns the fastest plan of all passes that keeps the contour tolerances everywhere, with its contour
 /// errors. Begins with `isolated`, the command by the isolated law. Calls `progress` before each round with
 /// the completed fraction, which stays below 1.
 pub(crate) fn guaranteed(
@@ -139,7 +139,7 @@ pub(crate) fn guaranteed(
     };
     let allowed: Vec<f64> = bounds().map(|bound| bound.along.max(bound.near)).collect();
     let off_path = |plan: &FeedPlan| off_path_spans(toolpath, plan, &Profile::new(toolpath, plan), &allowed);
-    // A plan by the isolated law that holds everywhere is the one to beat.
+    // If the plan by the isolated law keeps the tolerance everywhere, a correction must be faster.
     let mut fastest = (holds(&errors, &shares) && off_path(&now).is_empty())
         .then(|| (now.cycle_time(), now.clone(), errors.clone()));
     // If the path still strays after all repetitions, no programmed point is beyond the tolerance.
@@ -186,7 +186,8 @@ pub(crate) fn guaranteed(
     fastest.or(at_points).unwrap_or((now, errors))
 }
 
-/// The part of its tolerance that each segment is held to because the filtered path strays between corners.
+/// The part of its tolerance that each segment may use, reduced where the filtered path strays between
+/// corners.
 #[derive(Default)]
 struct ToleranceShares(BTreeMap<usize, f64>);
 
@@ -281,8 +282,8 @@ impl RequestedFeedrates {
     }
 }
 
-/// Returns, for each segment, whether any part of it is commanded within a filter delay of a segment whose
-/// pulses differ between two plans. Everything else sees the same command in both.
+/// Returns `true` for each segment of which any part is commanded within a filter delay of a segment whose
+/// pulses differ between two plans. The filtered motion of all other segments is the same in both.
 fn within_a_delay(before: &FeedPlan, after: &FeedPlan) -> Vec<bool> {
     fn by_segment(plan: &FeedPlan) -> impl Iterator<Item = impl Iterator<Item = Pulse>> {
         let pulses = &plan.pulses;

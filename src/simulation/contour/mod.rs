@@ -1,4 +1,4 @@
-//! Profile → contour error: how far the filtered path leaves the programmed one.
+//! Profile → contour error: the distance between the programmed path and the filtered one.
 //!
 //! The error at a programmed point X is its distance from the filtered path nearby,
 //!
@@ -6,15 +6,16 @@
 //! e(X) = min over t of ‖P(t) − X‖
 //! ```
 //!
-//! The error is measured where it is largest: at every corner, and along arcs at a 24th of the filter delay or closer,
-//! there also from the filtered path to the programmed one. Between corners a line is nearer to the filtered path
-//! than at its ends. At an isolated corner e is the tolerance that the corner law was asked to keep; where several
-//! corners lie under one filter delay, it is what the isolated law cannot know.
+//! The error is measured where it is largest: at every corner, and along arcs at points no more than a 24th
+//! of the filter delay apart, there also from the filtered path to the programmed one. Between corners a line
+//! is nearer to the filtered path than at its ends. At an isolated corner e is the tolerance for which the
+//! corner law was computed; if several corners lie within one filter delay, e may be larger or smaller.
 //!
-//! The search begins half a filter delay after X was commanded and steps to where the distance would be least if
-//! the path went on straight, and then as it bent between the last two steps; once it has gone too far, the
-//! nearest moment is bracketed, and closed in on by regula falsi. It stays within the delay, so it cannot stray to
-//! another pass over the same place.
+//! The search begins half a filter delay after X was commanded. Its first step leads to where the distance
+//! would be least if the path continued straight, each further step to where it would be least if the path
+//! bent as between the last two steps. Once a step passes the nearest moment, regula falsi narrows the
+//! bracket around it. The search stays within the delay, so that it cannot find another pass over the same
+//! place.
 
 mod sparse;
 mod guaranteed;
@@ -38,8 +39,8 @@ pub struct ContourErrors {
     /// At the corner that ends the segment and on arcs within half a filter delay of it, mm; 0 at a full
     /// stop. One entry per segment.
     pub corner: Vec<f64>,
-    /// At the corner alone, mm, if less than `corner`: a corner between two tolerances has the smaller one,
-    /// an arc its own.
+    /// At the corner alone, mm, where that is less than `corner`: a corner between two tolerances has the
+    /// smaller one, and an arc keeps its own.
     pub point: SparseColumn,
     /// Largest along the rest of an arc, mm.
     pub arc: SparseColumn,
@@ -125,12 +126,12 @@ struct SegmentErrors {
 }
 
 impl ContourErrors {
-    /// Returns the errors of `segments` segments without any.
+    /// Returns errors of 0 for `segments` segments.
     fn none(segments: usize) -> ContourErrors {
         ContourErrors { corner: vec![0.0; segments], ..ContourErrors::default() }
     }
 
-    /// Gives each corner the errors measured on both sides of it.
+    /// Returns the errors by corner, each from the errors measured on both sides of the corner.
     fn by_corner(measured: &[SegmentErrors]) -> ContourErrors {
         let mut errors = ContourErrors::none(measured.len());
         measured.iter().enumerate().for_each(|(number, segment)| errors.add(number, segment));
@@ -298,7 +299,7 @@ fn nearest(
             break;
         }
         let receding = away.dot(&state.velocity);
-        // An end that stays counts half as much, so that it does not stay forever.
+        // The weight of an end that stays is halved, so that it does not stay forever.
         let is_before = receding < 0.0;
         let stays = was_before.replace(is_before) == Some(is_before);
         if is_before {

@@ -1,7 +1,9 @@
-//! Profile → off-path spans: where the filtered path strays from the programmed one between its corners.
+//! Profile → off-path spans: places where the filtered path strays from the programmed one between its
+//! corners.
 //!
-//! Contour errors are those of programmed points. Where several corners lie under one filter delay D, points of
-//! the filtered path between them may be farther from the path than every corner is from them:
+//! Contour errors are measured from programmed points. If several corners lie within one filter delay D,
+//! points of the filtered path between them may be farther from the programmed path than any corner is from
+//! the filtered path:
 //!
 //! ```text
 //!      +--------+      the filtered path passes near all four corners,
@@ -9,11 +11,11 @@
 //!   ---+        +---
 //! ```
 //!
-//! So the filtered path is sampled every D/24. It follows the segments commanded within the last D; its
-//! distance from them is that from the nearest one.
+//! The filtered path is therefore sampled every D/24. Each sample follows the segments commanded within the
+//! last D, and its distance is that from the nearest of them.
 //!
-//! Limits: between two samples it may stray a little farther, by the height of an arc over D/24: on 2 of
-//! 40,000 hostile paths by more than 1 part in 10,000 of the tolerance, and there by 5.
+//! Limits: between two samples the path may stray a little farther, by the height of an arc over D/24: on 2
+//! of 40,000 hostile paths by more than 1 part in 10,000 of the tolerance, and on these by 5 parts.
 
 use std::ops::Range;
 
@@ -26,12 +28,12 @@ use crate::simulation::toolpath::{Curve, Toolpath};
 pub(super) struct OffPathSpan {
     /// Indices of the segments that it follows there.
     pub segments: Range<usize>,
-    /// Distance from them over the largest distance allowed on any of them; more than 1.
+    /// Distance from these segments over the largest distance allowed on any of them; more than 1.
     pub ratio: f64,
 }
 
-/// Returns where the filtered path is farther from the programmed one than `allowed` (mm, one entry per
-/// segment) on the segments it follows.
+/// Returns the places where the filtered path is farther from the programmed one than `allowed` (mm, one
+/// entry per segment) on the segments that it follows.
 pub(super) fn off_path_spans(
     toolpath: &Toolpath,
     plan: &FeedPlan,
@@ -54,7 +56,8 @@ pub(super) fn off_path_spans(
             let followed = pulses.segment(oldest)..pulses.segment(newest) + 1;
             let is_line = followed.len() == 1 && *toolpath.segments.curve(followed.start) == Curve::Line;
             if is_line || oldest == newest {
-                // A line is not shortened, and an arc everywhere by as much as at the points measured on it.
+                // The filters do not shift the path along a line, and they shift it along an arc by as much
+                // as at the measured points.
                 if newest == last {
                     break;
                 }

@@ -1,8 +1,8 @@
-//! Contour errors → regions: where on the program the motion leaves the path by more than wanted.
+//! Contour errors → regions: parts of the program in which the contour error exceeds its bound.
 //!
-//! Consecutive segments whose error is above what holds there make one region; good segments between them
-//! do not end it while they are shorter together than the last run of bad ones, so that a ragged
-//! pass is one region and not a hundred, and one bad pass after the other are as many.
+//! Consecutive segments whose error is above their bound form one region. Good segments between them do not
+//! end the region as long as their total length is less than that of the last run of bad segments: a ragged
+//! pass is one region instead of a hundred, while separate bad passes are separate regions.
 
 use crate::simulation::contour::ContourErrors;
 use crate::simulation::feed::ToleranceBound;
@@ -31,7 +31,7 @@ pub fn regions_beyond(
     ratio: f64,
 ) -> Vec<ErrorRegion> {
     let mut beyond = errors.beyond(bounds, ratio).peekable();
-    // A list that grows from nothing leaves freed memory behind, together as large as itself.
+    // A list that grows from nothing leaves freed memory behind, in total as much as its own.
     let mut regions: Vec<ErrorRegion> = Vec::with_capacity(toolpath.segments.len() / SEGMENTS_PER_REGION);
     let mut begin = 0.0;
     // Length of the bad segments since the last good one, mm.

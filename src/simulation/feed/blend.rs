@@ -1,31 +1,34 @@
 //! The pulses of a rest-to-rest motion whose corners are circles or parabolas.
 //!
-//! A circle of radius R that turns by φ leaves one leg d = R tan(φ/2) before the corner and joins the
-//! other d after it. It is only Rφ long, not 2d, with another feedrate limit and another acceleration. A segment of length L is so three pieces, each run as a trapezoid of path speed v:
+//! A circle of radius R that turns by φ leaves one leg d = R tan(φ/2) before the corner and joins the other d
+//! after it. It is Rφ long instead of 2d, and it has its own feedrate limit and acceleration. A segment of
+//! length L therefore consists of three pieces, each run as a trapezoid of path speed v:
 //!
 //! ```text
 //!   half a circle        line           half a circle
 //!  |<-- κ1 d1 -->|<-- L − d1 − d2 -->|<-- κ2 d2 -->|        κ = ½ φ / tan(φ/2) ≤ 1
 //! ```
 //!
-//! Along the whole rest-to-rest motion v² changes by no more than 2 A s over a piece of acceleration A (mm/s²)
-//! and length s (mm), forwards and backwards. Distance is measured along the programmed path, where a
-//! circle at v is passed at v/κ, but never faster than the requested feedrate.
+//! Along the whole rest-to-rest motion v² changes by no more than 2 A s over a piece of acceleration A
+//! (mm/s²) and length s (mm), forwards and backwards. Distances are measured along the programmed path. A
+//! circle run at the path speed v advances at v/κ along the programmed path, but never faster than the
+//! requested feedrate.
 //!
-//! A line between two circles that the second, at its fastest, would pass in less than four servo
-//! periods becomes part of that.
+//! A line between two circles becomes part of the second circle if the largest speed of that circle would
+//! cover the line in less than four servo periods.
 //!
-//! The planner sees no more than N lines and circles ahead, and stops within them: where the one numbered k begins,
+//! The planner sees at most N lines and circles ahead and must be able to stop within them. Where piece k
+//! begins,
 //!
 //! ```text
 //! v² ≤ Σ 2 A s   over k, k+1, …, k+N−1          N look-ahead; where the rest-to-rest motion ends earlier, up to its end
 //! ```
 //!
-//! A parabola is the time in which one leg is run up while the other brakes: its speed along the path goes from
-//! that at its beginning to that at its end, with one acceleration.
+//! A parabola is the part of the motion in which the first leg brakes while the second already speeds up. Its
+//! path speed changes from the first value to the last with one acceleration.
 //!
-//! Limits: where a circle takes other lengths of both legs, it is shorter than each in the same ratio. Source:
-//! derived; the division, the gap of four periods and the look-ahead (`tpRunOptimization`) are those of LinuxCNC
+//! Limits: if a circle takes different lengths of the two legs, κ is the same for both. Source: derived; the
+//! division, the gap of four periods and the look-ahead (`tpRunOptimization`) are those of LinuxCNC
 //! (src/emc/tp, tp.c and blendmath.c).
 
 use crate::simulation::feed::Pulse;
@@ -42,11 +45,11 @@ pub struct Blend {
     pub fastest: f64,
     /// Distance before the corner at which the blend begins, and after it at which it ends, mm.
     pub distances: [f64; 2],
-    /// κ, its length over that of the legs it replaces.
+    /// κ: length of the blend over the length of the legs that it replaces.
     pub shortening: f64,
     /// Acceleration along it, mm/s².
     pub acceleration: f64,
-    /// Share of the acceleration of both legs that the turn uses along all of them.
+    /// Share of the acceleration of both legs that the turn uses along their whole length.
     pub taken: f64,
     /// Tolerance (mm) of a parabola, during which both legs run at once, each with half of its acceleration.
     pub parabola_within: Option<f64>,
@@ -121,8 +124,8 @@ impl BlendPiece {
     }
 }
 
-/// A line between two circles becomes part of the second if that circle, at its fastest, would pass it in
-/// less than this time, s.
+/// Duration (s) below which a line between two circles becomes part of the second: the time in which the
+/// largest speed of that circle covers the line.
 const MIN_LINE_DURATION_S: f64 = 4e-3;
 
 /// Returns the blend that begins a leg, the line behind it and the blend that ends the leg.
@@ -142,8 +145,8 @@ fn pieces(leg: &Leg, first: &Blend, last: &Blend) -> [BlendPiece; 3] {
     [first.piece(begin, false), line, last.piece(end, true)]
 }
 
-/// Lowers the speeds (mm/s) at which lines and circles begin to those from which the motion stops within the
-/// next `look_ahead` of them.
+/// Lowers the speeds (mm/s) at which lines and circles begin to those from which the motion can stop within
+/// the next `look_ahead` lines and circles.
 fn see_ahead(chain: &[BlendPiece], look_ahead: f64, speeds: &mut [f64]) {
     if look_ahead == f64::INFINITY {
         return;

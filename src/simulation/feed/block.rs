@@ -1,7 +1,7 @@
 //! The pulses of one block: from the command at its first corner to that at its last.
 //!
-//! A block of length L commanded at F holds the corner commands c1 and c2 for the times h1 and h2
-//! that the corners ask for, and F between them; with an acceleration limit A, ramps join them:
+//! A block of length L commanded at F holds the corner commands c1 and c2 for the times h1 and h2 that the
+//! corners require, and F between them; with an acceleration limit A, ramps join them:
 //!
 //! ```text
 //!  F            _____________
@@ -11,16 +11,15 @@
 //!      |<-h1->|               |<-h2->|
 //! ```
 //!
-//! The area is L, exactly (Eq. 17). Where there is no room for that:
+//! The area below the command is exactly L (Eq. 17). If the block is too short for this shape:
 //!
 //! 1. the ramps meet below F (only with a finite A);
-//! 2. where there is no room for both holds either, **the slower corner wins**: its hold keeps
-//!    its length, up to the whole block, and the faster corner's hold takes the rest. This is
-//!    continuous with Eq. 17, and a corner that becomes faster never makes the block slower;
-//!    shrinking both holds in proportion would, because a faster corner's shorter hold leaves
-//!    more of the block to the slower one.
+//! 2. if it is too short for both holds as well, **the slower corner wins**: its hold keeps its length, up to
+//!    the whole block, and the faster corner's hold takes the rest. This is continuous with Eq. 17, and a
+//!    corner that becomes faster never makes the block slower; shrinking both holds in proportion would,
+//!    because a faster corner's shorter hold leaves more of the block to the slower one.
 //!
-//! Limits: |c1² − c2²| ≤ 2 A L, which the look-ahead sees to.
+//! Limits: |c1² − c2²| ≤ 2 A L, which the look-ahead ensures.
 
 /// One end of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,8 +34,8 @@ pub struct BlockEnd {
 pub type BlockPart = (f64, f64, f64);
 
 /// Returns the parts of a block of `length` (mm) at `feedrate` (mm/s) and `acceleration` (mm/s², may be
-/// infinite) in order: hold, ramp, cruise, ramp, hold. A part that is not needed lasts 0 s. Eq. 17 of Ward et
-/// al. 2021 where there is room for both holds.
+/// infinite) in order: hold, ramp, cruise, ramp, hold. A part that is not needed lasts 0 s. If the block has
+/// room for both holds, the parts follow Eq. 17 of Ward et al. 2021.
 #[inline]
 pub fn parts(
     length: f64,

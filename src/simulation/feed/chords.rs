@@ -7,14 +7,13 @@
 //! by length c                   n = ⌊ L / c ⌋                        c in mm; Klipper `resolution`
 //! ```
 //!
-//! and at least one. So the control takes the corners between chords by its law of corners, along each chord with the
-//! acceleration of its direction; what the machine sets for arcs (contour tolerance of arcs, centripetal acceleration)
-//! holds for none.
+//! and at least one. The control applies its corner law between chords, and along each chord the acceleration
+//! limit of the direction of the chord. Settings of the machine for arcs (contour tolerance of arcs,
+//! centripetal acceleration) then have no effect.
 //!
-//! Source: grbl 1.1, motion_control.c, mc_arc; Klipper, gcode_arcs.py. Limits: n is at least 1, and where the
-//! chords of a program would be more than [`MAX_ARC_CHORDS`] and [`MAX_CHORDS_PER_SEGMENT`] for each of its
-//! segments they are made longer, all in proportion; grbl rounds the ends of chords to whole steps, here they lie
-//! on the arc.
+//! Source: grbl 1.1, motion_control.c, mc_arc; Klipper, gcode_arcs.py. Limits: if a program would have more
+//! chords than [`MAX_ARC_CHORDS`] plus [`MAX_CHORDS_PER_SEGMENT`] for each of its segments, all chords are
+//! lengthened in proportion. grbl rounds the ends of chords to whole steps; here they lie on the arc.
 
 use crate::machine::{ArcChords, Machine};
 use crate::simulation::feed::substitute::{Cover, Substitute};

@@ -11,38 +11,40 @@
 //!                 corner
 //! ```
 //!
-//! The filtered path is nearest to the corner h after its command, when a step sent at the corner
-//! has displaced S(h) and one sent Tb later S(h − Tb) = S(αh). Its distance from the corner is
+//! The filtered path is nearest to the corner at the time h after the command has passed it. By then a step
+//! sent at the corner has caused the displacement S(h), and a step sent Tb later S(h − Tb) = S(αh). The
+//! distance of the filtered path from the corner is
 //!
 //! ```text
 //! ε = F ‖u2 − u1‖ G(α),      G(α) = α S(h) + (1 − α) S(αh),  s
 //! ```
 //!
-//! G rises from 0 to S(h), so the largest α within tolerance is G⁻¹(ε / (F ‖u2 − u1‖)), and 1
-//! where that is beyond S(h). For n = 2 and 3 equal constants T, G/T is the polynomial g of the
-//! paper with its misprints corrected.
+//! G rises from 0 to S(h), so the largest α within tolerance is G⁻¹(ε / (F ‖u2 − u1‖)), or 1 if the argument
+//! exceeds S(h). For n = 2 and 3 equal constants T, G/T is the polynomial g of the paper with its misprints
+//! corrected.
 //!
-//! Where the feedrates of the legs differ, each leg keeps c for h (1 − c/F) with its F, and c is
-//! the smaller one of what the law gives for each: both sides then see a pulse that holds the
-//! tolerance. That is nearly always the law for the slower leg, as c hardly depends on F; a leg
-//! that is little faster than a corner at full feedrate needs the other.
+//! If the feedrates of the legs differ, each leg holds c for h (1 − c/F) with its own F, and c is the smaller
+//! of the two values that the law gives: the pulses on both sides then keep the tolerance. The smaller value
+//! is nearly always that of the slower leg, because c hardly depends on F. Near the feedrate at which a
+//! corner needs no slowing it can be that of the faster leg.
 //!
-//! The F of a hold is that of the leg without the limit that the tolerance sets on arcs. On such an
-//! arc the hold is then a little longer than published; were it to grow with the arc's own limit,
-//! a wider tolerance could make a crowded arc slower.
+//! The F of a hold is that of the leg without the limit that the tolerance sets on arcs. On such an arc the
+//! hold is then a little longer than published. If the hold grew with the arc's own limit, a wider tolerance
+//! could make an arc among many short segments slower.
 //!
-//! G⁻¹ is Newton's method, begun at a cubic in u = √(1 − G/S(h)), of which α is a smooth function though G is
-//! level at α = 1: G'(1) = 0 and G''(1) = −h, so that dα/du = −2u S(h)/G'(α) begins with −√(2 S(h)/h). That takes
-//! some three steps, each of which waits for the one before. A rest-to-rest motion of many corners tabulates α(u)
-//! on 128 parts, each the polynomial through six points of it; where that is off by no more than roundings are,
-//! which is all but where G is pieced together and where α is nearly nought, it is the answer.
+//! G⁻¹ is computed by Newton's method. The first guess is a cubic in u = √(1 − G/S(h)); α is a smooth
+//! function of u although G is level at α = 1: G'(1) = 0 and G''(1) = −h, so that dα/du = −2u S(h)/G'(α)
+//! begins with −√(2 S(h)/h). About three steps are needed, each of which depends on the one before. For a
+//! rest-to-rest motion of many corners, α(u) is tabulated on 128 parts, each a polynomial through six points
+//! of α(u). If the error of a part is no larger than rounding, the polynomial is the result; this fails only
+//! where the pieces of G join and where α is nearly 0.
 //!
 //! Source: Ward et al. 2021, Sect. 3.3 and Appendix C, from the definition.
 
 use crate::simulation::filter::FilterChain;
 
-/// Newton's method ends with a step that changes α by less than this part of it: the next one would change it
-/// by a rounding error.
+/// Newton's method ends with a step that changes α by less than this part of α: the next step would change α
+/// only by rounding.
 const MIN_NEWTON_STEP_RATIO: f64 = 1e-8;
 
 /// Parts of a table: fewer are less accurate, more take longer to compute.

@@ -1,7 +1,7 @@
 //! The blend of LinuxCNC-like planners at a corner: a circle, a parabola, or none.
 //!
-//! Legs with unit directions u1, u2 turn by φ; D = ‖u2 − u1‖ = 2 sin(φ/2), C = cos(φ/2); h is the servo period, s the
-//! largest feed override that is planned for, F the faster feedrate of both legs.
+//! Legs with unit directions u1, u2 turn by φ; D = ‖u2 − u1‖ = 2 sin(φ/2), C = cos(φ/2); h is the servo
+//! period (s), s the largest feed override that is planned for, F the feedrate of the faster leg (mm/s).
 //!
 //! **Circle** of radius R that touches both legs, passed at v:
 //!
@@ -11,13 +11,14 @@
 //! R = max(v²/aₙ, min(2 v min(√(a d), v)/(a φ), ρ))        d = ρ (D/2)/C
 //! ```
 //!
-//! A circle takes no more than half of a line, two thirds of an arc before it and a third of one behind it. On an
-//! arc that bends to the side of the turn it touches the chord instead, which turns by more. A circle that would pass
-//! an arc's corner farther than ε, or does not lie in the plane of the arc, is not made. The acceleration a is the
-//! largest vector that keeps every axis within its limit, whatever its direction in the plane of the corner, and
-//! within that of the path: √3/2 of it turn the motion and ½ is left along the path, so that both together are a.
-//! V is so from the velocities, or, between lines, if that is more, the altitude of the triangle whose sides are
-//! the fastest velocities V1, V2 along both:
+//! A circle takes at most half of a line, two thirds of an arc before it and a third of an arc behind it. If
+//! the arc bends to the side of the turn, the circle touches the chord of the arc instead, and turns by a
+//! larger angle. There is no circle if it would pass the corner of an arc at more than ε, or if it does not
+//! lie in the plane of the arc. The acceleration a is the length of the largest vector that, in any direction
+//! in the plane of the corner, keeps every axis within its limit and is within the limit of the path. √3/2 of
+//! it turn the motion and ½ remains along the path, so that the resultant is a. V is found from the velocity
+//! limits in the same way. Between lines V is the altitude of the triangle whose sides are the fastest
+//! velocities V1, V2 along both legs, if that is more:
 //!
 //! ```text
 //! V1 V2 sin φ / ‖V2 u2 − V1 u1‖
@@ -30,26 +31,28 @@
 //! b1 = min(F1, √(a1 L1), a1 t, 2 √(a1 ε₀/(D/2)))        t = min(L1/v1, L2/v2, max(v1/a1, v2/a2)),  ε₀ tolerance
 //! ```
 //!
-//! with v the first two terms, of either leg. It lasts T = b1/a1 and takes b1²/2a1 of the first leg; the second
-//! speeds up by a2 to w = min(a2 T, F2). From its beginning to its end the speed goes from b1 to w with one
-//! acceleration, along a length that takes T. Where the second leg is an arc of radius r, D is not the change of
-//! the directions, but that from u1 to the direction of the acceleration, a2 u2 and (F2/2)²/r towards the centre
-//! (`tcCircleStartAccelUnitVector`). Without circles a leg has half of its acceleration only where a parabola
-//! follows it, and its whole one where the parabola is before it.
+//! where v is the minimum of the first two terms for each leg. It lasts T = b1/a1 and takes b1²/2a1 of the
+//! first leg; the second speeds up by a2 to w = min(a2 T, F2). Along the parabola the speed changes from b1
+//! to w with one acceleration, over the length that takes the time T. If the second leg is an arc of radius
+//! r, D is the change from u1 to the direction of the acceleration, which is the sum of a2 u2 and (F2/2)²/r
+//! towards the centre (`tcCircleStartAccelUnitVector`). Without circles a leg has half of its acceleration
+//! only if a parabola follows it, and its whole acceleration if the parabola precedes it.
 //!
-//! **Stop**: legs that are opposite to within some 2.8°, 1 + cos φ < (2°)², end in a stop, with their whole acceleration.
+//! **Stop**: between legs that are opposite to within about 2.8°, 1 + cos φ < (2°)², the motion stops; the
+//! legs keep their whole acceleration.
 //!
-//! **Nothing**: a turn made within one period takes κ = max_k |u2 − u1|_k (sF/(h a_k) + 1) of the acceleration of an axis,
-//! twice that on an arc. Below a tenth the corner is not slowed at all, and its legs lose the part κ of their
-//! acceleration; above, it is passed at 0.1 sF/κ. The fastest of the three is taken, of the parabola C (b1 +
-//! b2)/4.
+//! **Nothing**: a turn made within one servo period uses the part κ = max_k |u2 − u1|_k (sF/(h a_k) + 1) of
+//! the acceleration of an axis, twice that on an arc. If κ is below a tenth, the corner is not slowed at all,
+//! and its legs lose the part κ of their acceleration. Otherwise the motion passes the corner at 0.1 sF/κ. Of
+//! circle, parabola and nothing the fastest is taken; the speed of a parabola counts as C (b1 + b2)/4.
 //!
-//! **Exact path** (G61): nothing is put in place of the corner. Above a tenth the motion stops there, and its legs lose a tenth
-//! of their acceleration all the same. After G61.1 it stops at every corner, with the whole acceleration.
+//! **Exact path** (G61): no curve replaces the corner. If κ is a tenth or more the motion stops at the
+//! corner, and its legs still lose a tenth of their acceleration. After G61.1 the motion stops at every
+//! corner, and the legs keep their whole acceleration.
 //!
-//! Limits: of two arcs the circle is that of their tangents. Source: LinuxCNC 2.9, src/emc/tp (blendmath.c:
-//! blendComputeParameters, blendParamKinematics; tp.c: tpSetupTangent, tpComputeBlendVelocity, tpChooseBestBlend), and
-//! recordings of it.
+//! Limits: between two arcs the circle is that of their tangents. Source: LinuxCNC 2.9, src/emc/tp
+//! (blendmath.c: blendComputeParameters, blendParamKinematics; tp.c: tpSetupTangent, tpComputeBlendVelocity,
+//! tpChooseBestBlend), and recordings of it.
 
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::blend::{Blend, Leg};
@@ -89,7 +92,7 @@ pub struct CornerSide<'a> {
     pub segment: &'a Segment,
     /// Requested feedrate along it, mm/s.
     pub feedrate: f64,
-    /// Acceleration along it in a parabola if that is not half the acceleration of the segment, mm/s².
+    /// Acceleration along the segment within a parabola, mm/s²; `None`: half the acceleration of the segment.
     pub whole_acceleration: Option<f64>,
 }
 
@@ -113,7 +116,7 @@ pub fn blend(sides: [CornerSide; 2], machine: &Machine, tolerance: f64) -> Blend
     let by_kink = corner.slower * KINK_SHARE / kink;
     let circle = corner.circle(tolerance);
     let by_circle = circle.map_or(0.0, |circle| circle.fastest);
-    // Segments that are not complete yet have half of their length for it.
+    // The other ends of both segments are not planned yet, so that half of each length is assumed to be free.
     let halves = sides.map(|side| 0.5 * side.segment.length);
     let by_parabola = corner.parabola(tolerance, halves).performance(corner.half_cosine);
     match circle {
@@ -128,14 +131,15 @@ pub fn parabola(sides: [CornerSide; 2], machine: &Machine, tolerance: f64, lengt
     Corner::between(sides, machine).parabola(tolerance, lengths).blend()
 }
 
-/// Returns a leg of which a parabola takes a part: it runs with half of its acceleration throughout, and an
-/// arc at the feedrate that this allows.
+/// Returns a leg of which a parabola takes a part: the leg has half of its acceleration throughout, and an
+/// arc also the feedrate that this acceleration allows.
 pub fn shared(segment: &Segment, leg: Leg, machine: &Machine) -> Leg {
     let (acceleration, feedrate) = halved(segment, machine);
     Leg { acceleration: leg.acceleration.min(acceleration), feedrate: leg.feedrate.min(feedrate), ..leg }
 }
 
-/// Returns half of the acceleration of a segment, mm/s², and the largest feedrate that this allows, mm/s.
+/// Returns half of the acceleration of a segment, mm/s², and the largest feedrate that this acceleration
+/// allows, mm/s.
 fn halved(segment: &Segment, machine: &Machine) -> (f64, f64) {
     let own = PARABOLA_SHARE * limits::blended_acceleration(segment, machine);
     (junction::acceleration(segment, own, machine), junction::arc_feedrate(segment, own, machine))
@@ -253,8 +257,8 @@ impl<'a> Corner<'a> {
         in_plane.max(v1 * v2 * angle.sin() / (u2 * v2 - u1 * v1).norm())
     }
 
-    /// Returns how a leg bends away from its tangent near the circle; `None` if it bends out of the plane of
-    /// the corner.
+    /// Returns the bend of a leg away from its tangent near the circle; `None` if the leg bends out of the
+    /// plane of the corner.
     fn bend(&self, side: usize) -> Option<LegBend> {
         let length = self.sides[side].segment.length;
         let Some(arc) = self.arc(side) else {
@@ -280,7 +284,8 @@ impl<'a> Corner<'a> {
         Some(LegBend { room, turns, arc: Some((radius, is_convex, angle)) })
     }
 
-    /// Returns where a circle touches both legs; `None` if it passes the corner by more than `tolerance`.
+    /// Returns the contact of a circle with both legs; `None` if the circle passes the corner at more than
+    /// `tolerance` (mm).
     fn contact(&self, radius: f64, bends: &[LegBend; 2], tolerance: f64) -> Option<CircleContact> {
         let half = self.half_angle();
         let along = radius * half.tan();
@@ -349,12 +354,12 @@ struct LegBend {
     room: f64,
     /// Turn from the tangent to the chord that the circle uses, as a part of half the turn, rad.
     turns: f64,
-    /// For an arc: its radius (mm), whether it bends to the side of the turn, and the angle of it that the
-    /// circle may take (rad).
+    /// For an arc: its radius (mm), `true` if it bends to the side of the turn, and the angle of the arc that
+    /// the circle may take (rad).
     arc: Option<(f64, bool, f64)>,
 }
 
-/// Where a circle touches both legs.
+/// The contact of a circle with both legs.
 struct CircleContact {
     /// Distances before and behind the corner, mm.
     distances: [f64; 2],

@@ -1,8 +1,8 @@
 //! A minimum share of cruising: how Klipper keeps short moves from speeding up only to slow down.
 //!
-//! A move, or a run of moves that speeds up and slows down without cruising, gets no faster than it would with the
-//! acceleration a' = A (1 − ρ) instead of its acceleration a, where ρ is the minimum cruise ratio and A the acceleration
-//! along the path. With j² the limits of corners, squared, and L the lengths,
+//! A move, or a run of moves that speeds up and slows down without cruising, gets no faster than it would
+//! with the acceleration a' = A (1 − ρ) instead of its acceleration a, where ρ is the minimum cruise ratio
+//! and A the acceleration along the path. With the limits j of corners and the lengths L of moves,
 //!
 //! ```text
 //! forwards     m_0 = 0,    m_i = min( j_i²,  m_(i−1) + 2 a' L_(i−1) )       before move i
@@ -10,15 +10,16 @@
 //! peak         p² = ( min(m_i, r_i) + r_i ) / 2                              where move i can speed up
 //! ```
 //!
-//! A move that can speed up, min(m_i, r_i) < r_i, and can slow down as well, or follows by moves that only slow
-//! down, sets the peak p for itself and for the moves before it that do not. Moves that only slow down are no
-//! faster than the one before. Ramps keep the acceleration a, so that the rest of the length is cruised.
+//! A move that can speed up, min(m_i, r_i) < r_i, sets a peak p if it can also slow down or if moves that
+//! only slow down come after it. The peak limits this move and the moves before it that set none. Moves that
+//! only slow down are no faster than the move before them. Ramps keep the acceleration a, so that the machine
+//! cruises along the rest of the length.
 //!
 //! Symbols: lengths in mm, speeds in mm/s, accelerations in mm/s², ρ without unit from 0 (no such limit) to 1.
 //! Source: Klipper, klippy/toolhead.py, `LookAheadQueue.flush` and `Move.calc_junction`. Limits: the whole
 //! rest-to-rest motion is known at once; Klipper knows 2 s of it, which ends at a peak.
 
-/// A move as the limit sees it.
+/// The values of a move on which the limit depends.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedMove {
     /// Length, mm.

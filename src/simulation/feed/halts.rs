@@ -13,9 +13,10 @@
 //! | wait of the first feed move for the spindle | before the first pulse of its rest-to-rest motion |
 //! | wait for position | behind the last pulse of its rest-to-rest motion |
 //!
-//! A wait before a line that begins with a function, a dwell or a turn of rotary axes adds to that.
+//! If the line begins with a function, a dwell or a turn of rotary axes, the wait before it is added to the
+//! duration of that stop.
 //!
-//! Limits: a feed hold takes the command away at once, whatever the acceleration limit before the filters.
+//! Limits: a feed hold interrupts the command at once, even if an acceleration limit acts before the filters.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -166,8 +167,8 @@ pub(super) fn rapid_ends_stop(before: &Segment, machine: &Machine) -> bool {
         && machine.halts.in_position_at.has_rapid_ends()
 }
 
-/// Returns `true` if the corner law decides about the stop behind a segment although the program requests
-/// exact stops.
+/// Returns `true` if the corner law decides whether the motion stops behind a segment although the program
+/// requests exact stops.
 pub(super) fn is_exact_path(before: &Segment, machine: &Machine) -> bool {
     let waits = 0.0 < machine.halts.in_position && machine.halts.in_position_at.has_exact_stops();
     before.exact_path && machine.interpolator.junction.blends_in_time() && !waits
@@ -179,7 +180,8 @@ fn waits_for_position(before: &Segment, after: &Segment, machine: &Machine) -> b
     rapid_ends_stop(before, machine) || (is_exact && machine.halts.in_position_at.has_exact_stops())
 }
 
-/// Returns the segment and the distance along it (mm) at a part of the length of the segments in a range.
+/// Returns the place at the fraction `part` of the total length of the segments in a range: the segment and
+/// the distance along it (mm).
 fn place_on(segments: &Segments, range: Range<usize>, part: f64) -> (usize, f64) {
     let mut left = part * segments.range(range.clone()).map(|segment| segment.length).sum::<f64>();
     let last = range.end - 1;

@@ -9,24 +9,27 @@
 //! axis velocity step    V / max_k |u2 − u1|_k
 //! ```
 //!
-//! Junction deviation takes the acceleration b along the bisector, the direction d in which the velocity changes,
-//! with each axis at its own limit a_k: where X and Y may have a, it is √2 a at a right angle between them. The
-//! square-corner velocity V (mm/s) is that at 90° whatever the acceleration A along the path is; a_l ≤ A is that
-//! of either leg l, and the second term is a circle that touches the leg no further away than at its middle,
-//! L_l/2. The blend of LinuxCNC at a corner is in `corner_blend`.
+//! For the junction deviation δ, b is the acceleration along the bisector, which is the direction d in which
+//! the velocity changes, with each axis at its own limit a_k: if X and Y have the limit a, b is √2 a at a
+//! right angle between them. The square-corner velocity V (mm/s) is the command at 90°, whatever the
+//! acceleration A along the path; a_l ≤ A is the acceleration of leg l, and the second term is a circle that
+//! touches leg l no farther from the corner than at its middle, L_l/2. The blend of LinuxCNC at a corner is
+//! in `corner_blend`.
 //!
-//! Beside any of them corners may be slowed by their turn, down to an exact stop from the turn φ₀ on:
+//! In addition to each of these laws a corner can be slowed by its turn, with an exact stop from the turn φ₀
+//! on. The command of the slower leg, F, is lowered to
 //!
 //! ```text
 //! F (1 − (max_k |u2 − u1|_k / φ₀)⁴)
 //! ```
 //!
-//! Programmed arcs share the acceleration a between turn and ramps as blends do: √3/2 of it may turn the motion,
-//! and ramps have a √(1 − min(V²/(r a), √3/2)²), V the fastest that the axes allow.
+//! Programmed arcs share the acceleration a between turn and ramps as blends do: √3/2 of it may turn the
+//! motion, and ramps have a √(1 − min(V²/(r a), √3/2)²), where V is the largest feedrate that the axes allow
+//! and r the radius.
 //!
-//! Limits: what slows a corner by its turn is read off helices and half circles of short lines on a recorded mill
-//! at two feedrates, and not derived. Source: the laws of grbl, Klipper, Marlin and of LinuxCNC's arcs, derived
-//! from the geometry.
+//! Limits: the slowing by the turn is not derived but read from recordings of one mill that ran helices and
+//! half circles of short lines at two feedrates. Source: the laws of grbl, Klipper, Marlin and of LinuxCNC's
+//! arcs, derived from the geometry.
 
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::limits;
@@ -35,7 +38,7 @@ use crate::simulation::toolpath::{Curve, Segment, Vector};
 /// Share of the acceleration that may turn the motion while a share of ½ remains along the path.
 pub const NORMAL_ACCELERATION_SHARE: f64 = 0.866_025_403_784_438_6;
 
-/// A corner as the law of junctions sees it.
+/// The geometry of a corner on which junction laws depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerTurn {
     before: Vector,
@@ -61,8 +64,8 @@ impl CornerTurn {
         }
     }
 
-    /// Returns C/(1 − C): the radius of the circle that passes the corner at 1 mm. 1 − C is computed from the
-    /// sine of half the turn, which keeps its digits for small turns.
+    /// Returns C/(1 − C): the radius (mm) of the circle that touches both legs and passes the corner at 1 mm.
+    /// The value 1 − C is computed from the sine of half the turn, which is accurate for small turns.
     fn radius_of_deviation(&self) -> f64 {
         let half_sine = 0.5 * self.change;
         self.half_cosine * (1.0 + self.half_cosine) / (half_sine * half_sine)
@@ -76,8 +79,8 @@ impl CornerTurn {
         axes.map(|(axis, share)| axis.acceleration / share.abs()).fold(machine.path.acceleration, f64::min)
     }
 
-    /// Returns the square of the largest command at the corner by the velocity at 90°, mm²/s², for one leg of
-    /// `length` (mm) and `acceleration` (mm/s²).
+    /// Returns the square of the largest command at the corner for the square-corner velocity `velocity`
+    /// (mm/s) and one leg of `length` (mm) and `acceleration` (mm/s²), mm²/s².
     fn square_by_leg(&self, velocity: f64, machine: &Machine, length: f64, acceleration: f64) -> f64 {
         let whole = machine.path.acceleration;
         let share = if whole.is_finite() { acceleration / whole } else { 1.0 };
@@ -116,8 +119,8 @@ pub fn stops_at_rapids(machine: &Machine) -> bool {
     machine.interpolator.junction.blends_in_time()
 }
 
-/// Returns the largest command at a corner that the turn alone slows down, mm/s; infinite if turns do not
-/// slow it. `change` is u2 − u1, `feedrate` (mm/s) that of the slower leg.
+/// Returns the largest command at a corner that is slowed by its turn alone, mm/s; infinite if turns do not
+/// slow corners. `change` is u2 − u1, and `feedrate` (mm/s) the feedrate of the slower leg.
 pub fn slowed(change: &Vector, feedrate: f64, machine: &Machine) -> f64 {
     let stopping = machine.interpolator.slowing_angle;
     if stopping == f64::INFINITY {
@@ -140,8 +143,8 @@ fn direction(vector: Vector) -> Vector {
     if length == 0.0 { vector } else { vector / length }
 }
 
-/// Returns the acceleration along a segment between its corners, mm/s²: on an arc, the part that remains at
-/// the largest feedrate of its axes.
+/// Returns the acceleration along a segment between its corners, mm/s²: on an arc, the part that the turn
+/// leaves at the largest feedrate that the axes allow.
 pub fn acceleration(segment: &Segment, own: f64, machine: &Machine) -> f64 {
     let Curve::Arc(arc) = &segment.curve else { return own };
     let curvature = arc.mean_radius() * (arc.sweep / segment.length).powi(2);
@@ -150,8 +153,8 @@ pub fn acceleration(segment: &Segment, own: f64, machine: &Machine) -> f64 {
     own * (1.0 - normal * normal).sqrt()
 }
 
-/// Returns the feedrate along an arc that leaves half the acceleration for ramps, mm/s; infinite along a
-/// line, and under another law.
+/// Returns the feedrate along an arc that leaves half the acceleration for ramps, mm/s; infinite along a line
+/// and under other junction laws.
 pub fn arc_feedrate(segment: &Segment, acceleration: f64, machine: &Machine) -> f64 {
     match (&segment.curve, machine.interpolator.junction) {
         (Curve::Arc(arc), junction) if junction.blends_in_time() => {

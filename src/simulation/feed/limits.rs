@@ -2,25 +2,26 @@
 //!
 //! It is the smallest of
 //!
-//! - the programmed feedrate times its override, or that of a rapid within its axis limits times its
-//!   own: r = min(r_path, min_k r_k / |u_k|), so that the slowest axis for its part of the move runs at its rapid r_k and
-//!   diagonals are faster than single axes. LinuxCNC has clamped a programmed feedrate to the axes, too, before the
-//!   override multiplies it (emccanon.cc), so that one of 80 % also slows a move that an axis holds back; grbl and
-//!   Klipper clamp the product;
+//! - the programmed feedrate times the feed override, or for a rapid the rapid feedrate r times the rapid
+//!   override, with r = min(r_path, min_k r_k / |u_k|): the axis that limits the move runs at its rapid
+//!   feedrate r_k, and diagonals are faster than single axes. LinuxCNC clamps the programmed feedrate to the
+//!   axes before the override multiplies it (emccanon.cc), so that an override of 80 % also slows a move that
+//!   an axis limits; grbl and Klipper clamp the product;
 //! - V_k / |u_k|: no axis k above its velocity limit; on an arc with the largest |u_k| on it;
-//! - L Ω_k / |Δ_k|: no rotary axis k, which turns along by Δ_k, above its limit Ω_k (rad/s);
-//! - √(24 ε / (ΣTi² κ)): on an arc of curvature κ the filtered path runs inside by
-//!   v² ΣTi² κ / 24, to first order, and that much is within the tolerance ε. The first order is
-//!   an upper bound of the true r (1 − Π sinc(ωTi/2));
+//! - L Ω_k / |Δ_k|: no rotary axis k, which turns by Δ_k (rad) along the segment of length L, above its limit
+//!   Ω_k (rad/s);
+//! - √(24 ε / (ΣTi² κ)): on an arc of curvature κ and radius r the filtered path runs inside the arc by v²
+//!   ΣTi² κ / 24, to first order, which is kept within the tolerance ε. The first order is an upper bound of
+//!   the exact r (1 − Π sinc(ωTi/2)), ω = v κ;
 //! - √(a / κ): no more than the centripetal acceleration limit, and on an axis no more than its
 //!   acceleration limit;
 //!
-//! and, where blocks are short, before the corners or behind them, as
-//! [`CornerPlanning`](crate::machine::CornerPlanning) says,
+//! and, for short blocks, of two limits that act before or after the corners are planned, depending on
+//! [`CornerPlanning`](crate::machine::CornerPlanning):
 //!
 //! - L / t_block: no block in less than the block processing time;
-//! - look-ahead: from v the motion stops within v h + v²/(2A), which must lie within the N blocks
-//!   seen, so v = 2 s / (h + √(h² + 2 s / A)) for blocks of s mm in all.
+//! - look-ahead: from v the motion stops within v h + v²/(2A), which must lie within the N blocks that the
+//!   control sees, so v = 2 s / (h + √(h² + 2 s / A)) for blocks of total length s (mm).
 //!
 //! Symbols: u unit tangent, κ curvature (1/mm), Ti filter constants (s), h half the filter delay
 //! (s), A acceleration limit along the path (mm/s²). Source: Ward et al. 2021 with its errata;
@@ -44,12 +45,13 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     feedrate.min(rotary_feedrate(segment, machine)).min(by_axes)
 }
 
-/// Returns what an override of the feed multiplies where a segment is programmed at `feedrate`, mm/s.
+/// Returns the feedrate that a feed override multiplies on a segment programmed at `feedrate` (mm/s), mm/s.
 pub fn overridable(feedrate: f64, segment: &Segment, machine: &Machine) -> f64 {
     clamped_before_override(feedrate, axis_feedrate(segment, machine), machine)
 }
 
-/// Returns the feedrate that an override multiplies, mm/s, of a programmed one and the limit of the axes.
+/// Returns the feedrate that an override multiplies, mm/s, from the programmed feedrate and the limit of the
+/// axes `by_axes`, both mm/s.
 fn clamped_before_override(feedrate: f64, by_axes: f64, machine: &Machine) -> f64 {
     match machine.interpolator.junction.blends_in_time() {
         true => feedrate.min(by_axes),
@@ -63,8 +65,8 @@ pub fn are_lines_alike(machine: &Machine) -> bool {
     machine.overrides.is_even() && has_no_axis_limit(machine) && has_no_axis_rapid(machine)
 }
 
-/// Returns the feedrate of a rapid segment, mm/s: the machine's along the path, with no axis above its own
-/// limit.
+/// Returns the feedrate of a rapid segment, mm/s: the rapid feedrate of the path, with no axis above its own
+/// rapid feedrate.
 pub fn rapid_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     if has_no_axis_rapid(machine) {
         return machine.rapid.feedrate;
@@ -114,8 +116,9 @@ pub fn rotary_time(rotation: &Vector, rate: Option<f64>, machine: &Machine) -> f
     programmed.max(shortest_turn(rotation, rate.is_none(), machine))
 }
 
-/// Returns the largest feedrate at which the filtered path stays within `tolerance` (mm) of an unbounded arc
-/// of which `length` (mm) is programmed, mm/s; infinite along a line.
+/// Returns the largest feedrate at which the filtered path stays within `tolerance` (mm) of an arc, mm/s;
+/// infinite along a line. The arc is treated as unbounded; `length` (mm) is the length of its programmed
+/// part.
 pub fn arc_feedrate(curve: &Curve, length: f64, filter: &FilterChain, tolerance: f64) -> f64 {
     let Curve::Arc(arc) = curve else { return f64::INFINITY };
     (24.0 * tolerance / (filter.sum_of_squares() * curvature(arc, length))).sqrt()
@@ -128,8 +131,8 @@ pub fn curve_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     (acceleration / curvature(arc, segment.length)).sqrt()
 }
 
-/// Returns how far along a segment of `length` (mm) a corner's command can be held, mm: on an arc, to the end
-/// of its first chord.
+/// Returns the distance along a segment of `length` (mm) over which a corner's command can be held, mm: on an
+/// arc, the length of its first chord; infinite on a line.
 pub fn first_chord(curve: &Curve, length: f64, machine: &Machine) -> f64 {
     match curve {
         Curve::Line => f64::INFINITY,

@@ -1,43 +1,43 @@
 //! Toolpath → feed plan: the pulse train that the control sends through its filters.
 //!
-//! Between two full stops lies a rest-to-rest motion. In it each segment becomes the pulses of [`block`], its
-//! corners taken as in [`corner`] and its feedrate limited as in [`limits`]. The plan is exact
-//! and needs no time step: a rest-to-rest motion lasts the sum of its pulses plus the filter delay D, because
-//! the filters have to run empty before the machine is at rest.
+//! Between two full stops lies a rest-to-rest motion. In it each segment becomes the pulses of [`block`];
+//! [`corner`] gives the command at its corners and [`limits`] its largest feedrate. The plan is exact and
+//! needs no time step: a rest-to-rest motion lasts the sum of its pulses plus the filter delay D, because the
+//! filters have to run empty before the machine is at rest.
 //!
 //! A turn of rotary axes alone has no length along the path: it is a wait of its time, and a chain of
 //! turns costs the filter delay once.
 //!
-//! Arcs may be planned as the chords that the control runs in place of them, as in the module of chords, and
-//! chains of nearly straight lines as one, as in the module of smoothing. With the junctions of LinuxCNC the
-//! segments of a rest-to-rest motion become pulses as in [`blend`]; with a minimum part of cruising, as in
-//! Klipper, short moves stay below their feedrate.
+//! Arcs may be planned as the chords that the control runs in place of them (module `chords`), and chains of
+//! nearly straight lines as one line (module `smoothing`). With the junctions of LinuxCNC the segments of a
+//! rest-to-rest motion become pulses as in [`blend`]; with a minimum cruise ratio, as in Klipper, short moves
+//! stay below their feedrate (module `cruise`).
 //!
-//! A rest-to-rest motion ends, at the cost of a full D, at
+//! A rest-to-rest motion ends, and so costs a full D, at
 //!
 //! - the beginning and the end of the program;
 //! - a dwell, a tool change or another M-word: machine functions wait for the motion to end;
-//! - an exact stop: G9 and G61, a corner sharper than the machine's exact-stop angle, both ends
-//!   of every rapid where the machine has rapids stop or wait for position;
-//! - a wait before a line, of `halts`;
-//! - a change from feed to rapid and back under the law of LinuxCNC, which blends no rapid with a feed move;
-//! - a change of the filters' constants, between feed and rapid, where rapids have their own:
-//!   filters can only be exchanged at rest, or distance would be lost.
+//! - an exact stop: G9 and G61, a corner sharper than the machine's exact-stop angle, both ends of every
+//!   rapid if rapids of the machine stop or wait for position;
+//! - a wait before a line (module `halts`);
+//! - a change between feed and rapid under the law of LinuxCNC, which does not blend rapids with feed moves;
+//! - a change between feed and rapid if rapids have their own filter constants: filters can only be exchanged
+//!   at rest, or distance would be lost.
 //!
-//! Otherwise rapids are blended like feed moves, with the rapid feedrate along the path: that is
-//! the neutral setting of controls in contouring mode.
+//! Otherwise rapids are blended like feed moves, with the rapid feedrate along the path, as controls in
+//! contouring mode do without further settings.
 //!
-//! Controls run an arc as chords. The corners between chords are too flat to cost anything, but what the
-//! command holds for the corner on which an arc begins or ends is held along one chord only. This is
-//! what the stand-in machine does, by a millisecond; a corner on an arc may so leave the tolerance by
-//! itself, which `CornerMode::Guaranteed` corrects.
+//! Controls run an arc as chords. The corners between chords are too flat to cost time, but at a corner on
+//! which an arc begins or ends the command is held along one chord only. The stand-in machine
+//! (`examples/standin`) does the same, to within a millisecond. A corner on an arc may therefore leave the
+//! tolerance, which `CornerMode::Guaranteed` corrects.
 //!
-//! Acceleration limits of axes and path act behind the filters, in [`time_scaling`]; where the machine says so, or
-//! junctions follow laws of acceleration, they shape the command itself.
+//! Acceleration limits of axes and path act behind the filters, in [`time_scaling`]. If the machine is set
+//! so, or if its junctions follow laws of acceleration, they shape the command itself.
 //!
-//! With constants from the jerk limit (Eq. 8, T1 = √(F/J)) F is the largest requested feedrate of
-//! the rest-to-rest motion, so that the filters are constant while the machine moves; feed and rapid then
-//! differ, and are joined by a full stop.
+//! With constants from the jerk limit (Eq. 8, T1 = √(F/J)) F is the largest requested feedrate of the
+//! rest-to-rest motion, so that the filters are constant while the machine moves. Feed and rapid then have
+//! different filters, and a full stop lies between them.
 
 pub mod blend;
 pub mod block;
@@ -88,11 +88,11 @@ pub struct Pulse {
 /// A motion from one full stop to the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RestToRest {
-    /// Indices of its segments in the toolpath.
+    /// Indices of the segments in the toolpath.
     pub segments: std::ops::Range<usize>,
-    /// Indices of its pulses in the plan.
+    /// Indices of the pulses in the plan.
     pub pulses: std::ops::Range<usize>,
-    /// Index of its filter chain in the plan.
+    /// Index of the filter chain in the plan.
     pub filter: usize,
 }
 
@@ -140,7 +140,8 @@ pub struct FeedPlan {
 pub enum CornerPolicy<'a> {
     /// By the laws of [`corner`] and [`limits`] for this contour tolerance, mm.
     Isolated(f64),
-    /// By the same laws for the tolerances of the program, and the machine's where the program sets none.
+    /// By the same laws for the tolerances of the program, and for that of the machine where the program sets
+    /// none.
     Programmed,
     /// By given feedrates, mm/s, one entry per segment; every other limit still applies.
     Given {
@@ -234,7 +235,7 @@ pub(crate) fn command(toolpath: &Toolpath, machine: &Machine, policy: CornerPoli
     }
 }
 
-/// Returns the plan with arcs as the control runs them.
+/// Returns the plan with arcs run as the control runs them: whole or as chords.
 fn plan_of_curves(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy) -> FeedPlan {
     match chords::chorded(toolpath, machine) {
         Some(chorded) => {
@@ -244,11 +245,11 @@ fn plan_of_curves(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy) 
     }
 }
 
-/// Returns the plan with each segment run as it is, except for lines that are merged.
+/// Returns the plan with each segment run as given, except for lines that are merged.
 fn plan_of_segments(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy) -> FeedPlan {
     match smoothing::merged(toolpath, machine, policy.tolerances()) {
         Some(merged) => {
-            // A feed hold has a place in the program, which merged lines may not have.
+            // A feed hold occurs at a place of the program that merged lines may not contain.
             let (without, holds) = halts::feed_holds_apart(machine);
             let mut plan = merged
                 .planned(toolpath, policy, |toolpath, policy| plan_as_written(toolpath, &without, policy));
@@ -261,7 +262,7 @@ fn plan_of_segments(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy
     }
 }
 
-/// Returns the plan with each block run as written.
+/// Returns the plan without substitutes for arcs, overrides or lines: each segment is planned as one block.
 fn plan_as_written(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy) -> FeedPlan {
     let mut plan = FeedPlan { start: machine.times.start, ..FeedPlan::default() };
     plan.segment_feedrates.reserve_exact(toolpath.segments.len());
@@ -285,7 +286,7 @@ fn plan_as_written(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy)
     plan
 }
 
-/// Spindle and tool state that one stop leaves to the next.
+/// The spindle and tool state that one stop passes to the next.
 #[derive(Default)]
 struct StopState {
     /// Time that the spindle still needs when a later word waits for it, s.
@@ -320,8 +321,8 @@ fn add_wait(plan: &mut FeedPlan, stop: &Stop, machine: &Machine, left: &mut Stop
     plan.phases.push(Phase::Wait(wait));
 }
 
-/// Returns by how much a turn of rotary axes alone lasts longer than its command, s: the filters run empty. A
-/// jerk limit concerns X, Y and Z and does not lengthen it.
+/// Returns the time by which a turn of rotary axes alone outlasts its command, s, while the filters run
+/// empty. A jerk limit acts on X, Y and Z and does not lengthen a turn.
 fn turn_delay(machine: &Machine) -> f64 {
     machine.interpolator.filter_delay(0.0)
 }
@@ -376,8 +377,8 @@ fn turns_may_stop(machine: &Machine) -> bool {
     machine.interpolator.stopping_angle() < std::f64::consts::PI
 }
 
-/// Returns `true` if the stop before segment `next` is one of the path mode, which is known in advance, and
-/// neither the end of the program nor a function that waits.
+/// Returns `true` if the path mode causes the stop before segment `next`, so that the stop is known in
+/// advance; `false` at the end of the program and at a function that waits.
 fn is_stopped_by_mode(toolpath: &Toolpath, next: usize, machine: &Machine) -> bool {
     let waits = toolpath.stops.binary_search_by_key(&next, |stop| stop.after).is_ok();
     let before = toolpath.segments.at(next - 1);

@@ -1,8 +1,8 @@
-//! A feed override that was in force along a part of the path.
+//! A feed override that applies along a part of the path.
 //!
-//! An operator turns the switch at a moment, wherever the tool is, and not between two blocks. The segments in
-//! which the span (from, to) of the override begins and ends are divided there, and the feedrates of feed moves
-//! within are multiplied by its ratio:
+//! An operator turns the override switch at any moment, usually within a block. The segments in which the
+//! span (from, to) of the override begins and ends are divided there, and the feedrates of feed moves within
+//! the span are multiplied by its ratio:
 //!
 //! ```text
 //!            from                         to                      mm along the path
@@ -10,8 +10,8 @@
 //!       F       r F   r F         r F          F                  r ratio, F programmed feedrate
 //! ```
 //!
-//! Limits: the ramp to a lower feedrate ends where the switch is turned and does not begin there, which is too
-//! early by the length of that ramp; rotary axes that turn alone keep the programmed rate.
+//! Limits: the ramp to a lower feedrate ends where the switch is turned instead of beginning there, and so
+//! comes too early by its length; rotary axes that turn alone keep the programmed rate.
 
 use crate::machine::{Machine, Overrides};
 use crate::simulation::feed::limits;
@@ -29,7 +29,7 @@ pub fn divided(toolpath: &Toolpath, machine: &Machine) -> Option<(Substitute, Ma
         return None;
     }
     let (from, to) = overrides.span;
-    // Edges that are searched one after the other may cross: then nothing is between them.
+    // A fit varies the edges one after the other, so that they may cross: then the span is empty.
     let to = to.max(from);
     let distances = toolpath.distances();
     let mut substitute = Substitute::default();
@@ -50,7 +50,8 @@ pub fn divided(toolpath: &Toolpath, machine: &Machine) -> Option<(Substitute, Ma
     Some((substitute, Machine { overrides, ..machine.clone() }))
 }
 
-/// Returns a cut of a segment of `length` (both mm), moved to an end of it that is nearer than a part is short.
+/// Returns the place of a cut of a segment of `length` (both mm), moved to the end of the segment if that is
+/// nearer than the least length of a part.
 fn snapped(cut: f64, length: f64) -> f64 {
     match cut {
         _ if cut < MIN_PART_MM => 0.0,

@@ -1,21 +1,21 @@
 //! Rapids from rest to rest: ramps of constant jerk that grow with the speed that a move reaches.
 //!
-//! A control that positions runs each rapid by itself. The axis that moves furthest ramps with the jerk J,
-//! so that a change of speed by v takes t = n T with T = √(v/J) for n filters (Eq. 8 with the speed that is
-//! reached, not the requested one). A move of length L reaches
+//! A control that positions runs each rapid by itself, from rest to rest. The axis that moves farthest ramps
+//! with the jerk J, so that a change of speed by v takes t = n T with T = √(v/J) for n filters (Eq. 8 with
+//! the speed that the move reaches instead of the requested one). A move of length L reaches
 //!
 //! ```text
 //! v = min( V,  (L √J / n)^(2/3) )
 //! ```
 //!
-//! the second where both ramps meet: L = v n T. Its time is L/v + n T; below V that is 2 n^(2/3) (L/J)^(1/3),
-//! which for n = 2 is the (32 L / J)^(1/3) of bang-bang jerk. Short moves so cost much less than the ramp
-//! to the rapid feedrate would.
+//! The second term is the speed at which both ramps meet: L = v n T. The move lasts L/v + n T. Below V that
+//! is 2 n^(2/3) (L/J)^(1/3), which for n = 2 is the (32 L / J)^(1/3) of bang-bang jerk. Short moves therefore
+//! cost much less than the ramp to the rapid feedrate would.
 //!
-//! Symbols: V rapid feedrate with override and axis limits (mm/s), J jerk along the path (mm/s³): that of an
-//! axis over the largest share an axis has in the move. Source: time and peak speed of recorded rapids from 0.6 to
-//! 170 mm, which follow the cube root of their length. Limits: no acceleration limit; turns of rotary axes
-//! along with a move take no part.
+//! Symbols: V rapid feedrate with override and axis limits (mm/s), J jerk along the path (mm/s³): the jerk of
+//! an axis over the largest share that an axis has in the move. Source: time and peak speed of recorded
+//! rapids from 0.6 to 170 mm, which follow the cube root of their length. Limits: no acceleration limit;
+//! rotary axes that turn along with a move are ignored.
 
 use crate::machine::Machine;
 use crate::simulation::feed::limits;
@@ -47,7 +47,7 @@ pub fn acceleration(segment: &Segment, own: f64, machine: &Machine) -> f64 {
     if applies(segment, machine) { f64::INFINITY } else { own }
 }
 
-/// Returns the filters' time constant for a positioned segment that reaches `feedrate` (mm/s), s.
+/// Returns the time constant of the filters for a positioned segment that reaches `feedrate` (mm/s), s.
 pub fn time_constant(segment: &Segment, feedrate: f64, machine: &Machine) -> f64 {
     (feedrate / jerk(segment, machine)).sqrt()
 }

@@ -1,9 +1,9 @@
 //! The packed pulses of a plan: 20 bytes each.
 //!
-//! A long program has one and a half pulses per segment, and their memory bounds the speed of planning. Two
-//! thirds of the pulses begin where their segment does, and nearly all others where the only earlier pulse of
-//! the segment ends; most are even, so that a single feedrate describes them. Separate lists hold the offsets
-//! and end feedrates of the exceptions. Reading a pulse restores it bit for bit.
+//! A long program has one and a half pulses per segment, and their memory limits the speed of planning. Two
+//! thirds of the pulses begin where their segment begins, and nearly all others where the only earlier pulse
+//! of the segment ends. Most pulses are even, so that a single feedrate describes them. Separate lists hold
+//! the offsets and end feedrates of the exceptions. A pulse is read back bit for bit.
 //!
 //! Limits: no more than 2³² − 1 exceptions.
 
@@ -23,8 +23,8 @@ pub struct PulsePacking {
     marks: Vec<ExceptionMarks>,
     /// Distances from the start of the segment, mm, of the exceptions in order.
     offsets: Vec<f64>,
-    /// XOR of the bits of the feedrates at beginning and end, of the first exceptions in order: up to the
-    /// last that is not even, so the list is empty if commands have no ramps.
+    /// XOR of the bits of the feedrates at beginning and end of the exceptions in order, up to the last
+    /// exception that is not even; the list is empty if commands have no ramps.
     changes: Vec<u64>,
 }
 
@@ -41,7 +41,7 @@ struct PackedPulse {
 
 const _: () = assert!(size_of::<PackedPulse>() == 20);
 
-/// Marks the exceptions among consecutive pulses.
+/// Marks of the exceptions among consecutive pulses.
 #[derive(Clone, Copy)]
 struct ExceptionMarks {
     /// Number of exceptions before these pulses.
@@ -50,7 +50,7 @@ struct ExceptionMarks {
     bits: u32,
 }
 
-/// Pulses whose marks share an entry.
+/// Number of pulses whose marks share an entry.
 const PULSES_PER_MARK: usize = u32::BITS as usize;
 
 impl PulsePacking {

@@ -5,14 +5,14 @@
 //!  T = Δv/A + A/J          beyond;           length = (v1 + v2) T / 2
 //! ```
 //!
-//! (Δv step of the feedrate, J jerk and A acceleration along the path.) A block then has the shape of [`block`]:
-//! holds at its corners, ramps, and F between them; where there is no room for F the ramps meet below it. The
-//! filters smooth the rest, so that corners keep their tolerance. A ramp becomes [`PIECES_PER_RAMP`] linear
-//! pieces whose ends lie on the curve; it is symmetric about its middle, so that its area is exact.
+//! (Δv step of the feedrate, J jerk and A acceleration along the path.) A block then has the shape of
+//! [`block`]: holds at its corners, ramps, and F between them; if there is no room for F the ramps meet below
+//! F. The filters smooth the rest, so that corners keep their tolerance. A ramp becomes [`PIECES_PER_RAMP`]
+//! linear pieces whose ends lie on the curve; it is symmetric about its middle, so that its area is exact.
 //!
-//! Source: any text on jerk-limited motion, for example Siemens' SOFT and Heidenhain's law of the jerk alone. On two
-//! recorded mills rapids and feed moves both follow T = 2 √(Δv/J). Limits: the law is that of a whole step; a
-//! ramp through several blocks starts again at each corner that slows it down.
+//! Source: textbooks on jerk-limited motion; examples are SOFT of Siemens and Heidenhain's law of the jerk
+//! alone. On two recorded mills rapids and feed moves both follow T = 2 √(Δv/J). Limits: the law describes a
+//! whole step; a ramp through several blocks starts again at each corner that slows it down.
 //!
 //! [`block`]: crate::simulation::feed::block
 
@@ -38,7 +38,7 @@ impl Ramp {
         machine.path.jerk.is_finite().then_some(Ramp { jerk: machine.path.jerk, acceleration })
     }
 
-    /// Returns how long the acceleration rises, or falls, within a step of the feedrate (mm/s), s.
+    /// Returns the time for which the acceleration rises, or falls, within a step of the feedrate (mm/s), s.
     fn rise(&self, step: f64) -> f64 {
         (step / self.jerk).sqrt().min(self.acceleration / self.jerk)
     }

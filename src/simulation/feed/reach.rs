@@ -41,7 +41,7 @@ impl MotionPlanner<'_> {
         let supplied = |i: usize| {
             let processed = self.length(i) / interpolator.block_time;
             let seen = look_ahead.min(count as f64) as usize + i;
-            // A planner that sees the end of the motion sees its stop.
+            // The end of the motion is a stop, so that a planner which sees it needs no limit.
             let Some(end) = travelled.get(seen).filter(|_| seen < count) else { return processed };
             let visible = end - travelled[i];
             let acceleration = match &braked {
@@ -70,8 +70,8 @@ impl MotionPlanner<'_> {
         std::iter::once(0.0).chain(running_sum(changes)).collect()
     }
 
-    /// Lowers the corners (mm/s) of a planner of trapezoids to those from which it stops within the blocks
-    /// that it knows there: its look-ahead without the block that is run up to the corner.
+    /// Lowers the corners (mm/s) of a planner of trapezoids to those from which it can stop within the blocks
+    /// that it knows at the corner: its look-ahead without the block that is run up to the corner.
     fn see_ahead(&self, corners: &mut [f64]) {
         let look_ahead = self.machine.interpolator.look_ahead;
         if look_ahead == f64::INFINITY || !self.plans_trapezoids() {

@@ -9,10 +9,10 @@
 //! ```
 //!
 //! A long program is one motion of millions of segments, and fetching them costs more than computing with
-//! them. If neither supply nor reach limits anything, the last step follows a few segments behind the
-//! corners, and segments are fetched twice. A corner is a chain of roots and quotients, and the processor
-//! overlaps several corners if no other work lies between them: the corners of [`CORNERS_AHEAD`] segments come
-//! before the pulses of these.
+//! them. If neither supply nor reach limits anything, the last step runs a few segments behind the corners,
+//! and each segment is fetched only twice. A corner is a chain of roots and quotients, and the processor
+//! overlaps several corners if no other work lies between them. The corners of [`CORNERS_AHEAD`] segments are
+//! therefore computed before the pulses of these segments.
 
 use std::iter::repeat_n;
 use std::ops::Range;
@@ -110,13 +110,13 @@ pub(super) fn add_rest_to_rest(
     segment_limits.end
 }
 
-/// A law with a table pays from this many corners on: a corner takes 25 ns by its table and 93 ns without,
-/// and the table itself is computed once.
+/// Least number of corners for which a table of the corner law saves time: a corner takes 25 ns with the
+/// table and 93 ns without, and the table itself is computed once.
 const MANY_CORNERS: usize = 500;
 
-/// The limits of each segment of a motion by itself, apart from its feedrate.
+/// The limits of the segments of a motion other than their feedrates, each segment by itself.
 pub(super) struct SegmentLimits {
-    /// One past its last segment in the toolpath.
+    /// Index one past the last segment of the motion in the toolpath.
     end: usize,
     /// Accelerations, mm/s²; empty if nothing depends on them.
     pub(super) accelerations: Vec<f64>,
@@ -127,8 +127,8 @@ pub(super) struct SegmentLimits {
 }
 
 impl SegmentLimits {
-    /// Adds to `feedrates` (mm/s) the largest of each segment under every limit but the tolerance, for the
-    /// motion at the beginning of `range`.
+    /// Adds to `feedrates` (mm/s) the largest feedrate of each segment under every limit but the tolerance,
+    /// for the motion at the beginning of `range`.
     fn of(
         toolpath: &Toolpath,
         range: Range<usize>,
@@ -178,8 +178,8 @@ impl SegmentLimits {
         SegmentLimits { end, accelerations, first: first.unwrap_or(0.0), largest }
     }
 
-    /// Returns the index of the filters of the motion that begins with the segment `first`; adds them to the
-    /// list if it has none like them.
+    /// Returns the index of the filters of the motion that begins with the segment `first`; adds the filters
+    /// to the list if no equal ones are in it.
     fn filter(&self, filters: &mut Vec<FilterChain>, first: &Segment, machine: &Machine) -> usize {
         let setting = match (first.motion, &machine.rapid.time_constants) {
             (Motion::Rapid, Some(own)) => own,
@@ -378,7 +378,7 @@ impl MotionPlanner<'_> {
         axes.map(|(k, axis)| axis.jerk / (change[k].abs() * slope)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Places the parabolas on the parts of their legs that the circles at the other ends leave.
+    /// Computes the parabolas on the parts of their legs that the circles at the other ends leave.
     fn lay_parabolas(&self, feedrates: &[f64], blends: &mut [Blend]) {
         let taken =
             |blend: &Blend, side: usize| if blend.is_parabola() { 0.0 } else { blend.distances[side] };
@@ -397,8 +397,8 @@ impl MotionPlanner<'_> {
         }
     }
 
-    /// Returns `true` if a segment shares its acceleration with another one in a parabola: at either end, or where all
-    /// corners are parabolas at its own end alone.
+    /// Returns `true` if a segment shares its acceleration with another one in a parabola: at either end, or,
+    /// if all corners are parabolas, at its end only.
     fn shares(&self, i: usize, blends: &[Blend]) -> bool {
         let is_alone = self.machine.interpolator.junction == Junction::ParabolicBlend;
         blends[i + 1].is_parabola() || !is_alone && blends[i].is_parabola()
@@ -420,7 +420,8 @@ impl MotionPlanner<'_> {
         blend::pulses(&legs, blends, self.machine.interpolator.look_ahead, self.range.start)
     }
 
-    /// Returns the ramp of constant jerk by which the command of a segment changes; `None` if it has none.
+    /// Returns the ramp of constant jerk by which the command of a segment changes; `None` if its jerk is not
+    /// limited.
     #[inline]
     pub(super) fn ramp(&self, i: usize) -> Option<Ramp> {
         let ramp = Ramp::of(self.machine, self.acceleration(i))?;

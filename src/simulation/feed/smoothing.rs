@@ -1,5 +1,4 @@
-//! Toolpath → toolpath with chains of nearly straight lines run as one, and the plan back again; and which corners a
-//! curve passes.
+//! Chains of nearly straight lines run as one line, and corners that a curve passes.
 //!
 //! A chain of feed moves begins at B. The line to a further point E joins it while every point P that
 //! was passed lies within Q of the segment BE,
@@ -8,31 +7,31 @@
 //! ‖P − B − t M‖ ≤ Q,   M = E − B,   t = (P − B)·M / ‖M‖², no less than 0 and no more than 1
 //! ```
 //!
-//! and the chain has no more than [`MAX_CHAIN_POINTS`] points, so that the work is linear. It is ended by
-//! anything but a line, by another feedrate or path mode, by a stop, by a move on which rotary axes turn
-//! along, and where it would come back to B. An arc around Z whose middle lies within Q of its chord
+//! and the chain has at most [`MAX_CHAIN_POINTS`] points, so that the work is linear. A chain ends before
+//! anything but a line, before another feedrate or path mode, at a stop, before a move on which rotary axes
+//! turn, and before a line that would return to B. An arc around Z whose middle lies within Q of its chord
 //! becomes the two lines over that middle, which may join chains as well.
 //!
-//! A chain is planned as one segment along its chord, and put back onto the program by the module of
-//! substitutes; a position on the program is within Q of the one on the chord.
+//! A chain is planned as one segment along its chord, and the module `substitute` transfers the plan to the
+//! program; a position on the program is within Q of the corresponding one on the chord.
 //!
-//! Q is what the machine holds. Where it leaves that to the program, which is with the law of LinuxCNC alone, it
-//! is Q of G64, or else P, and with neither, or with exact stops, nothing is merged. A tolerance for the
-//! whole program is meant as P.
+//! Q is the merge distance of the machine. If the machine leaves it to the program, which only the law of
+//! LinuxCNC does, Q is the word Q of G64, or else P; without either, or with exact stops, no lines are
+//! merged. A tolerance for the whole program counts as P.
 //!
-//! Other controls leave no point out, but run a curve past the corners (COMPCAD of Siemens, smoothing of Fanuc): a
-//! parabola that touches both lines of a corner, each as far from it as the shorter one is long, passes it at
+//! Other controls leave no point out, but run a curve past the corners (COMPCAD of Siemens, smoothing of
+//! Fanuc): a parabola that touches both lines of a corner, each at the length of the shorter line from the
+//! corner, passes the corner at
 //!
 //! ```text
 //! L ‖u₂ − u₁‖ / 4          L length of the shorter line, u unit tangents
 //! ```
 //!
-//! and where that is less than the machine's distance the corner does not slow it.
+//! If that is less than the distance set for the machine, the corner does not slow the motion.
 //!
-//! Limits: with [`CornerMode::Guaranteed`](crate::machine::CornerMode) nothing is corrected inside a
-//! chain, and corners that a curve passes are held within the tolerance like all others. Neither the curve's length
-//! nor its curvature is another than that of the program. Source: LinuxCNC, naive CAM detector
-//! (src/emc/task/emccanon.cc).
+//! Limits: with [`CornerMode::Guaranteed`](crate::machine::CornerMode) nothing is corrected inside a chain,
+//! and corners that a curve passes are kept within the tolerance like all others. Length and curvature are
+//! those of the program, not of the curve. Source: LinuxCNC, naive CAM detector (src/emc/task/emccanon.cc).
 
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::Tolerances;
@@ -42,14 +41,14 @@ use crate::simulation::toolpath::{
     Blending, Curve, Motion, PathMode, Point, Segment, Toolpath, distance_from_chord,
 };
 
-/// Points of a chain beside its beginning.
+/// Most points of a chain in addition to its beginning.
 const MAX_CHAIN_POINTS: usize = 101;
 
-/// Tilt of a circle's plane from that of X and Y up to which it is taken for it.
+/// Largest tilt of the plane of a circle at which it counts as the plane of X and Y.
 const MAX_PLANE_TILT: f64 = 1e-9;
 
-/// Returns the distance between a curve through two lines and their corner, mm; `None` if there is no such
-/// corner.
+/// Returns the distance at which a curve between two lines passes their corner, mm; `None` if the segments
+/// are not two lines that meet in a corner.
 pub fn rounding(before: &Segment, after: &Segment) -> Option<f64> {
     let is_cut = |segment: &Segment| segment.curve == Curve::Line && segment.motion != Motion::Rapid;
     (is_cut(before) && is_cut(after)).then(|| 0.25 * before.length.min(after.length) * change(before, after))
@@ -57,7 +56,7 @@ pub fn rounding(before: &Segment, after: &Segment) -> Option<f64> {
 
 /// Returns `true` if the machine passes the corner between two segments on a curve.
 pub fn is_rounded(before: &Segment, after: &Segment, machine: &Machine) -> bool {
-    // The law of LinuxCNC has another curve at every corner.
+    // The law of LinuxCNC has its own curve at every corner.
     !machine.interpolator.junction.blends_in_time()
         && rounding(before, after).is_some_and(|rounding| rounding < machine.interpolator.corner_smoothing)
 }
@@ -130,7 +129,7 @@ struct Merging<'a> {
 }
 
 impl Merging<'_> {
-    /// Takes the next segment of the program.
+    /// Adds the next segment of the program.
     fn take(&mut self, number: usize, segment: &Segment, within: f64, machine: &Machine) {
         let joins = |before: &Segment| {
             let of_feed = |segment: &Segment| machine.overrides.of_feed(segment.line.0);

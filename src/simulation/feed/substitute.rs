@@ -1,13 +1,13 @@
 //! A toolpath that is planned in place of the program's, and the transfer of its plan to the program.
 //!
-//! Controls that merge short lines, or run arcs as chords, do not run the segments that the program has. A segment
-//! of the substitute, of length l, covers a part of length S of the program, which may begin and end within
-//! segments of it. It is planned by itself; what comes out is put back with distances and feedrates times S/l, so
-//! that the time is that of the substitute and each block has its share by length. The distance axis so stays that
-//! of the program.
+//! Controls that merge short lines, or run arcs as chords, do not run the segments that the program has. A
+//! segment of the substitute, of length l, covers a part of length S of the program, which may begin and end
+//! within segments of it. The substitute is planned by itself, and its plan is transferred to the program
+//! with distances and feedrates multiplied by S/l: the time is that of the substitute, each block has a share
+//! of it in proportion to its length, and distances are those of the program.
 //!
-//! Limits: positions are those of the program; the substitute's lie beside them by as much as it leaves the
-//! program's path.
+//! Limits: positions are those of the program; the machine's differ from them by as much as the substitute
+//! leaves the path of the program.
 
 use crate::machine::SpindleState;
 use crate::simulation::feed::{CornerPolicy, FeedPlan, Phase, Pulse, Pulses, RestToRest};
@@ -16,7 +16,8 @@ use crate::simulation::toolpath::{PathMode, Segment, Stop, Toolpath};
 /// A toolpath to plan in place of the program's, with the part of the program that each segment covers.
 #[derive(Default)]
 pub struct Substitute {
-    /// The segments as they are run. Each covers the program from where the one before ends.
+    /// The segments as the control runs them. The part that each covers begins where the part of the one
+    /// before ends.
     pub toolpath: Toolpath,
     /// The part of the program that each segment covers.
     pub covers: Vec<Cover>,
@@ -29,9 +30,9 @@ pub struct Substitute {
 /// The part of the program that a segment covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cover {
-    /// Index of the first segment in the program; the part begins `offset` along it.
+    /// Index of the first segment in the program.
     pub first: usize,
-    /// Distance along that segment, mm.
+    /// Distance along the first segment at which the part begins, mm.
     pub offset: f64,
     /// Index of the last segment, which may also be the first of the next part.
     pub last: usize,
@@ -69,7 +70,7 @@ impl Substitute {
         self.take_stops(program, number);
     }
 
-    /// Adds a segment of the program as it is.
+    /// Adds a segment of the program unchanged.
     pub fn push_whole(&mut self, number: usize, segment: Segment) {
         let cover = Cover { first: number, offset: 0.0, last: number, length: segment.length };
         self.push(segment, cover);
@@ -102,8 +103,9 @@ impl Substitute {
         self.spread(plan(&self.toolpath, policy), program)
     }
 
-    /// Returns given feedrates of the program's segments for those of the substitute: the smallest along a
-    /// chain, and at its end the one of the corner there. `None` if the policy gives none.
+    /// Returns the given feedrates of corners and segments (mm/s) for the substitute: along a chain the
+    /// smallest of its segments, and at its end that of the corner there. `None` if the policy gives no
+    /// feedrates.
     fn given(&self, policy: CornerPolicy) -> Option<(Vec<f64>, Vec<f64>)> {
         let CornerPolicy::Given { corners, segments } = policy else { return None };
         let at_end = |(index, cover): (usize, &Cover)| {
@@ -165,16 +167,16 @@ impl Substitute {
         spread
     }
 
-    /// Returns the length along the program over the length that is run.
+    /// Returns S/l: the length along the program over the length that is run.
     fn ratio(&self, index: usize) -> f64 {
         let (run, written) = (self.toolpath.segments.length(index), self.covers[index].length);
         if run == written { 1.0 } else { written / run }
     }
 }
 
-/// Adds a pulse to the plan of the program, from `place` on, a segment and the distance along it (mm), up to
-/// the segment `last`. A pulse that crosses the end of a segment is cut there: it reaches the distance x
-/// after
+/// Adds a pulse to the plan of the program. It begins at `place`, a segment and the distance along it (mm),
+/// and extends at most to the segment `last`. A pulse that crosses the end of a segment is cut there: it
+/// reaches the distance x after
 ///
 /// ```text
 /// |t = 2 x / (f + √(f² + 2 b x))         f command at its beginning, b its slope, mm/s²

@@ -1,20 +1,20 @@
 //! Time scaling: filtered motion run more slowly along the same path.
 //!
-//! The filters send the tool along its path with the feedrate w(τ) at the filtered time τ. Where the
-//! machine cannot follow it runs the same path at v ≤ w, at the true time t:
+//! The filters send the tool along its path with the feedrate w(τ) at the filtered time τ. If the machine
+//! cannot follow, it runs the same path at v ≤ w, at the true time t:
 //!
 //! ```text
 //! v dt = w dτ = dσ,      lost time = t − τ
 //! ```
 //!
-//! Between two knots v is linear in t and w is linear in τ, both over the same distance σ, so that each
-//! time gives the other in closed form:
+//! Between two knots v is linear in t and w is linear in τ, both over the same distance σ, so that each time
+//! follows from the other in closed form:
 //!
 //! ```text
 //! σ = w0 y + ½ c y² = v0 x + ½ a x²,     y = τ − τ0,  x = t − t0
 //! ```
 //!
-//! Between two knots with v = w no more time is lost. Units: mm, s.
+//! Between two knots with v = w no further time is lost. Units: mm, s.
 
 use std::ops::Range;
 

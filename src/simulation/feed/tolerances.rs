@@ -1,21 +1,20 @@
-//! The contour tolerance of each segment: one for the whole program, or the program's own.
+//! The contour tolerance of each segment: one for the whole program, or those that the program sets.
 //!
-//! Along a segment the tolerance bounds how far inside an arc the motion may run; at a corner, how
-//! far it may pass by. A corner between segments of different tolerances has the smaller one, and an
-//! arc that ends there its own.
+//! Along a segment the tolerance limits the distance by which the motion runs inside an arc; at a corner, the
+//! distance at which the motion passes the corner. A corner between segments of different tolerances has the
+//! smaller one; an arc that ends there keeps its own.
 //!
-//! A distance d along the path at which the rounding of a corner may begin (G641 ADIS) is no
-//! deviation. A parabola that leaves one leg d before the corner and joins the other d after it
-//! passes by the corner at
+//! A distance d along the path at which the rounding of a corner may begin (G641 ADIS) is no deviation. A
+//! parabola that leaves one leg d before the corner and joins the other d after it passes the corner at
 //!
 //! ```text
 //! ε = d/2 sin(φ/2) = d/4 ‖u2 − u1‖
 //! ```
 //!
-//! (φ angle of the turn, u unit tangents). That is the path of one filter at full feedrate exactly;
-//! a circle would pass at d tan(φ/4), the same for small φ. It is never more than d/2. Where the
-//! turn is so shallow that ε is below the machine's own tolerance, this holds in its place, as no
-//! control slows down for a turn that its axes do not feel; but never more than d/2.
+//! (φ angle of the turn, u unit tangents). This is exactly the path of one filter at full feedrate; a circle
+//! would pass at d tan(φ/4), which is the same for small φ. If the turn is so shallow that ε is below the
+//! machine's own tolerance, the machine's tolerance replaces ε, because no control slows down for a turn that
+//! its axes hardly notice. The tolerance at a corner is never more than d/2.
 
 use crate::machine::Machine;
 use crate::simulation::gcode::LineNumber;
@@ -43,8 +42,8 @@ impl From<f64> for Tolerances {
 pub struct SegmentTolerance {
     /// Largest deviation along the segment and at turns that bend little, mm.
     along: f64,
-    /// Distance before a corner at which its rounding may begin, mm; 0 where the deviation at a
-    /// corner is that along the segment.
+    /// Distance before a corner at which its rounding may begin, mm; 0 if the deviation at a corner is
+    /// limited as along the segment.
     distance: f64,
 }
 
@@ -86,9 +85,9 @@ impl SegmentTolerance {
 pub struct ToleranceBound {
     /// Along the segment.
     pub along: f64,
-    /// At the corner that ends it.
+    /// At the corner that ends the segment.
     pub corner: f64,
-    /// On arcs near that corner: the arc's, or the corner's if that is larger.
+    /// On arcs near that corner: the tolerance of the arc, or that of the corner if larger.
     pub near: f64,
 }
 
@@ -148,8 +147,8 @@ impl Tolerances {
         })
     }
 
-    /// Returns the range of each of the program's path modes, from its first move to its last; empty if one
-    /// tolerance replaces them, or the program leaves all to the machine.
+    /// Returns the range of each path mode of the program, from its first move to its last; empty if one
+    /// tolerance replaces the modes, or if the program sets none.
     pub fn ranges(self, toolpath: &Toolpath, machine: &Machine) -> Vec<ToleranceRange> {
         match self {
             Tolerances::One(_) => Vec::new(),
@@ -157,8 +156,8 @@ impl Tolerances {
         }
     }
 
-    /// Returns one number for the whole program, mm: the tolerance along most of the cut length, or of the
-    /// moved length if nothing is cut.
+    /// Returns one tolerance for the whole program, mm: that along most of the cut length, or along most of
+    /// the moved length if nothing is cut.
     pub fn prevailing(self, held: &[ToleranceRange], machine: &Machine) -> f64 {
         let own = match self {
             Tolerances::One(tolerance) => tolerance,

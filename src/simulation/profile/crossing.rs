@@ -1,4 +1,4 @@
-//! When the tool crosses given distances along the path.
+//! The times at which the tool crosses given distances along the path.
 //!
 //! Within a rest-to-rest motion the distance s(t) of [`MotionCursor::progress`] never falls, and its slope v(t) is
 //! known, so that
@@ -7,8 +7,8 @@
 //! s(t) = d     by Newton's method, t ← t − (s(t) − d) / v(t), inside a bracket that only shrinks
 //! ```
 //!
-//! Distances are requested in ascending order, so that the brackets move along and a crossing costs
-//! a few evaluations. At a full stop a distance is crossed when the next motion begins.
+//! Distances are requested in ascending order, so that each bracket begins where the last one ended and a
+//! crossing costs a few evaluations. At a full stop a distance is crossed when the next motion begins.
 
 use crate::simulation::feed::Phase;
 use crate::simulation::profile::{MotionCursor, Profile};
@@ -20,8 +20,8 @@ const MAX_STEPS: usize = 60;
 const CROSSING_TIME_ACCURACY_S: f64 = 1e-9;
 
 impl Profile<'_> {
-    /// Returns when the tool has run each of `distances` (mm, ascending) along the programmed path, s: the
-    /// last moment at which it has not run more.
+    /// Returns the times (s) at which the tool has run each of `distances` (mm, ascending) along the
+    /// programmed path: each is the last moment at which it has not run more.
     pub fn crossing_times(&self, distances: &[f64]) -> Vec<f64> {
         let mut times = Vec::with_capacity(distances.len());
         let mut wanted = distances.iter().copied().peekable();
@@ -45,9 +45,9 @@ impl Profile<'_> {
 }
 
 impl MotionCursor<'_> {
-    /// Returns when the tool has run `distance` (mm from the beginning of the program), s since the beginning
-    /// of the motion. `low` is a time no later than that, and `pulse` an index no greater than that of the
-    /// pulse there; both are advanced.
+    /// Returns the time at which the tool has run `distance` (mm from the beginning of the program), s since
+    /// the beginning of the motion. `low` is a time no later than the result, and `pulse` the index of a
+    /// pulse that begins no later; both are advanced.
     fn crossing(&mut self, distance: f64, low: &mut f64, pulse: &mut usize) -> f64 {
         let motion = self.motion;
         let mut sent_before = |pulse: usize| {
@@ -57,7 +57,7 @@ impl MotionCursor<'_> {
         while *pulse + 1 < motion.end_pulse && sent_before(*pulse + 1) <= distance {
             *pulse += 1;
         }
-        // Motion that has arrived was sent one delay ago at the earliest, and is not ahead of the command.
+        // Motion that arrives now was commanded at most one delay ago, and is never ahead of the command.
         let delay = motion.filter.delay();
         let command = self.starts.before(*pulse);
         let mut before = low.max(command);

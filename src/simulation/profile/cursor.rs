@@ -26,7 +26,7 @@ impl<'a> MotionCursor<'a> {
         MotionCursor { motion, starts: motion.starts(), distances }
     }
 
-    /// Returns when a pulse of the plan begins, s since the beginning of the motion.
+    /// Returns the time at which a pulse of the plan begins, s since the beginning of the motion.
     pub fn pulse_start(&mut self, pulse: usize) -> f64 {
         self.starts.before(pulse)
     }

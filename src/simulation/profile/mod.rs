@@ -1,14 +1,15 @@
 //! Feed plan → profile: the motion that leaves the filters, at any time or distance.
 //!
-//! The profile is not a table: it is the plan, asked through [`Profile::at_time`] at any moment, exactly.
-//! Tables for charts and files are made by [`Profile::samples`], dense where the feedrate bends.
+//! The profile is not a table: [`Profile::at_time`] computes the motion at any moment exactly from the plan.
+//! [`Profile::samples`] makes tables for charts and files, dense where the feedrate bends.
 //!
-//! Where acceleration limits act behind the filters, the motion that leaves them is run more slowly, as in
-//! `time_scaling`: [`Profile`] and its tables speak of the true time, a [`FilteredMotion`] of the filtered one.
+//! If acceleration limits act behind the filters, the machine runs the filtered motion more slowly, as in
+//! `time_scaling`: times of [`Profile`] and its tables are true times, those of [`FilteredMotion`] filtered
+//! times.
 //!
-//! Distance is measured along the programmed path, as the integral of the filtered feed command.
-//! It grows monotonically and ends at the programmed length, whatever the corners cut off; the
-//! feedrate is that of the tool, ‖Ṗ‖, which dips at corners.
+//! Distance is measured along the programmed path, as the integral of the filtered feed command. It never
+//! decreases and ends at the programmed length, although the tool cuts corners; the feedrate is that of the
+//! tool, ‖Ṗ‖, which dips at corners.
 
 mod crossing;
 mod moments;
@@ -46,7 +47,7 @@ pub struct Profile<'a> {
     clusters: MomentTree,
 }
 
-/// One rest-to-rest motion as it leaves the filters: its times are filtered times.
+/// One rest-to-rest motion as it leaves the filters; its times are filtered times.
 #[derive(Clone, Copy)]
 pub struct FilteredMotion<'a> {
     segments: &'a Segments,
@@ -58,7 +59,7 @@ pub struct FilteredMotion<'a> {
     first_pulse: usize,
     /// One past the last pulse.
     end_pulse: usize,
-    /// Where the machine is later than the filtered motion.
+    /// Knots of the time scaling; empty if the machine follows the filtered motion.
     knots: &'a [Knot],
 }
 
@@ -127,8 +128,8 @@ impl<'a> Profile<'a> {
         Some(motion.dynamics_at(time - self.phase_starts[index]))
     }
 
-    /// Returns when the tool has run `distance` (mm) of the programmed path, s: the last moment at which it
-    /// has not run more.
+    /// Returns the time at which the tool has run `distance` (mm) of the programmed path, s: the last moment
+    /// at which it has not run more.
     pub fn time_at_distance(&self, distance: f64) -> f64 {
         let (mut low, mut high) = (0.0, self.cycle_time());
         for _ in 0..200 {
@@ -141,7 +142,7 @@ impl<'a> Profile<'a> {
         low
     }
 
-    /// Returns when a phase of the plan begins and ends, s.
+    /// Returns the times at which a phase of the plan begins and ends, s.
     pub fn phase_time(&self, phase: usize) -> std::ops::Range<f64> {
         self.phase_starts[phase]..self.phase_starts[phase + 1]
     }
@@ -213,12 +214,12 @@ impl<'a> FilteredMotion<'a> {
         self.command_time() + self.filter.delay()
     }
 
-    /// Returns when a pulse of the plan begins, s since the beginning of the motion.
+    /// Returns the time at which a pulse of the plan begins, s since the beginning of the motion.
     pub fn pulse_start(&self, pulse: usize) -> f64 {
         self.pulse_starts.before(self.pulses, self.first_pulse, pulse)
     }
 
-    /// Returns when the pulses begin, s since the beginning of the motion.
+    /// Returns the times at which the pulses begin, s since the beginning of the motion.
     fn starts(&self) -> PrefixSums<'a, Pulses> {
         PrefixSums::of(self.pulse_starts, self.pulses, self.first_pulse..self.end_pulse)
     }

@@ -1,22 +1,24 @@
 //! Moments of clusters: many pulses far shorter than a filter delay, treated as one.
 //!
-//! Pulses contribute ∫ v(a) V(a) da over their ages a to the filtered motion. Where all of them lie between
-//! two knots of the filter, V is a polynomial there, and with x = a − y, counted from the age y of their end,
+//! Pulses contribute ∫ v(a) V(a) da over their ages a to the filtered motion. If all of them lie between two
+//! knots of the filter, V is a polynomial there. With x = a − y, where y is the age of their end,
 //!
 //! ```text
 //! ∫ v V da = Σ c_k M_k,      M_k = ∫ v xᵏ dx,      V(y + x) = Σ c_k xᵏ,      k = 0 … 4
 //! ```
 //!
-//! The moments M_k do not depend on the time, so they are found once: of [`MIN_CLUSTER_PULSES`] pulses in a row, and of
-//! [`CLUSTERS_PER_LEVEL`] clusters in a row from theirs,
+//! The moments M_k do not depend on the time, so that they are computed once: for [`MIN_CLUSTER_PULSES`]
+//! consecutive pulses, and for [`CLUSTERS_PER_LEVEL`] consecutive clusters from the moments of these
+//! clusters:
 //!
 //! ```text
 //! M_k = Σ_j C(k, j) o^(k−j) m_j        m_j of a cluster that ends o before the whole does, s
 //! ```
 //!
-//! The state at one moment then costs the logarithm of the pulses in one filter delay instead of their number. The
-//! moments are local, so that nothing is lost in differences of long sums. Only clusters far shorter than the
-//! delay are made: programs of ordinary blocks have none. Units: mm, s.
+//! The cost of the state at one moment then grows with the logarithm of the number of pulses in one filter
+//! delay instead of the number itself. The moments are local, so that no digits are lost in differences of
+//! long sums. Only clusters far shorter than the delay are made: programs of ordinary blocks have none.
+//! Units: mm, s.
 
 use crate::simulation::feed::{FeedPlan, Pulse, Pulses};
 use crate::simulation::filter::Expansion;
@@ -110,7 +112,7 @@ impl MomentTree {
 
     /// Returns the clusters that end before the pulse `end`, the largest first.
     pub fn ending_at(&self, end: usize) -> impl Iterator<Item = &PulseCluster> {
-        // If no smallest cluster ends there, none does.
+        // If no cluster of the lowest level ends there, no cluster does.
         let levels = if end.is_multiple_of(MIN_CLUSTER_PULSES) { &self.levels[..] } else { &[] };
         levels.iter().rev().filter_map(move |level| {
             let number = if end.is_multiple_of(level.count) { end / level.count } else { 0 };
@@ -132,8 +134,8 @@ impl MomentLevel {
     }
 }
 
-/// Returns the clusters of [`CLUSTERS_PER_LEVEL`] consecutive ones of `level`, each beginning at a multiple of their
-/// number.
+/// Returns the clusters of the next level: each joins [`CLUSTERS_PER_LEVEL`] consecutive clusters of `level`
+/// and begins at a multiple of that number of pulses.
 fn joined(level: &[PulseCluster]) -> impl Iterator<Item = PulseCluster> {
     level.windows(CLUSTERS_PER_LEVEL).filter_map(|parts| {
         let count = parts[0].count;
@@ -195,7 +197,7 @@ impl PulseCluster {
         one
     }
 
-    /// Adds a cluster that comes before.
+    /// Adds a cluster that lies before this one.
     fn add_before(&mut self, part: &PulseCluster) {
         const BINOMIALS: [[f64; MOMENT_COUNT]; MOMENT_COUNT] = [
             [1.0, 0.0, 0.0, 0.0, 0.0],
@@ -217,19 +219,19 @@ impl PulseCluster {
         self.duration += part.duration;
     }
 
-    /// Returns how much of its distance has arrived (mm) and how fast it arrives (mm/s), with the filter
-    /// expanded at its end.
+    /// Returns the distance of the cluster that has arrived (mm) and its rate (mm/s), with the filter
+    /// expanded at the end of the cluster.
     pub fn progress(&self, filter: &Expansion) -> (f64, f64) {
         let sum = |coefficients: &[f64]| coefficients.iter().zip(&self.along).map(|(c, m)| c * m).sum();
         (sum(&filter.step), sum(&filter.impulse))
     }
 
-    /// Returns how much of its travel has arrived (mm) and how fast it arrives (mm/s).
+    /// Returns the displacement of the cluster that has arrived (mm) and its rate (mm/s).
     pub fn travel(&self, filter: &Expansion) -> (Vector, Vector) {
         (self.sum(&filter.step), self.sum(&filter.impulse))
     }
 
-    /// Returns its contribution to the acceleration (mm/s²) and to the jerk (mm/s³).
+    /// Returns the contribution of the cluster to the acceleration (mm/s²) and to the jerk (mm/s³).
     pub fn dynamics(&self, filter: &Expansion) -> (Vector, Vector) {
         let [_, h1, h2, h3] = filter.impulse;
         (self.sum(&[h1, 2.0 * h2, 3.0 * h3]), self.sum(&[2.0 * h2, 6.0 * h3]))

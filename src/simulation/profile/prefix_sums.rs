@@ -1,9 +1,10 @@
 //! Prefix sums of long lists, kept at checkpoints.
 //!
 //! A pulse begins at the sum of the durations before it, and a segment at the sum of the lengths before it.
-//! All these sums would take a third of the memory of the pulses. So only one in [`CHECKPOINT_SPACING`] is
-//! kept, with the compensation of Neumaier's summation; the others are computed from it value by value, bit
-//! for bit as the first time. [`PrefixSums`] remembers the sums near the last query.
+//! All these sums would take a third of the memory of the pulses. Therefore only one in
+//! [`CHECKPOINT_SPACING`] is kept, with the compensation of Neumaier's summation; the others are computed
+//! from it value by value, with the same bits as the first time. [`PrefixSums`] remembers the sums near the
+//! last query.
 //!
 //! ```text
 //! values     | | | | | | | | | | | | | | | | | | | | | |
@@ -16,7 +17,7 @@ use crate::simulation::running_sum::RunningSum;
 use crate::simulation::toolpath::Segments;
 use std::ops::Range;
 
-/// One sum in this many is kept.
+/// Number of values from one kept sum to the next.
 const CHECKPOINT_SPACING: usize = 16;
 
 /// Number of remembered blocks, each from one checkpoint to the next: enough for the pulses within one filter
@@ -109,14 +110,14 @@ pub struct PrefixSums<'a, V> {
     values: &'a V,
     /// The indices that have a sum.
     range: Range<usize>,
-    /// Numbers of the remembered blocks, each at its remainder.
+    /// Numbers of the remembered blocks, each at the place of its remainder by [`REMEMBERED_BLOCKS`].
     blocks: [usize; REMEMBERED_BLOCKS],
-    /// Sums of the remembered blocks, each at the remainder of its index.
+    /// Sums of the remembered blocks, each at the place of the remainder of its index.
     sums: [f64; REMEMBERED_BLOCKS * CHECKPOINT_SPACING],
 }
 
 impl<'a, V: SummedValues> PrefixSums<'a, V> {
-    /// Returns the sums before each of these indices, which belong to one run from its beginning.
+    /// Returns the prefix sums of the values in `range`, a run from its beginning.
     pub fn of(checkpoints: &'a SumCheckpoints, values: &'a V, range: Range<usize>) -> PrefixSums<'a, V> {
         PrefixSums {
             checkpoints,

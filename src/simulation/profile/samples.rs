@@ -1,14 +1,13 @@
 //! A profile as a table, dense where the feedrate bends.
 //!
-//! Rows are an eighth of the filter delay apart while anything changes, and nowhere else; then
-//! each gap is halved until straight lines between the rows, over time and over distance, stay
-//! within the requested resolution. A filtered feedrate has no feature shorter than that first
-//! spacing resolves, except for filters that let short pulses through: there rows are added where it
-//! spacing resolves, except for filters that let short pulses through: there rows are added where it
+//! Rows are an eighth of the filter delay apart while anything changes, and nowhere else; then each gap is
+//! halved until straight lines between the rows, over time and over distance, stay within the requested
+//! resolution. A filtered feedrate has no feature shorter than that first spacing resolves, unless the
+//! filters let short pulses through: then rows are added where the feedrate may bend.
 //!
-//! A small file whose loops run to their bound would make some eighty million rows, far more than a picture
-//! shows or a computer holds. A table that would be too long is sampled again at equal times, and states the
-//! spacing.
+//! A small file whose loops run to their bound would make about eighty million rows, far more than a picture
+//! shows or a computer holds. A table that would be too long is sampled again at equal times, and `spacing`
+//! contains the time between its rows.
 
 use crate::simulation::feed::Phase;
 use crate::simulation::profile::{Moment, MotionState, Profile, RememberedSteps};
@@ -88,7 +87,7 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// For files: half of the promised 0.1 %, and a micrometre.
+    /// For files: half of the promised 0.1 % of the feedrate, and a micrometre.
     pub const FINE: Resolution = Resolution { feedrate: 5e-4, position: 1e-3 };
     /// For charts of feedrate over distance: less than a pixel; positions are not refined.
     pub const CHART: Resolution = Resolution { feedrate: 2e-3, position: f64::INFINITY };
@@ -139,7 +138,7 @@ impl Profile<'_> {
         self.table(resolution, usize::MAX, Some(spacing))
     }
 
-    /// Returns the table, cut off after `most` rows; with a `spacing` (s), rows are at equal times.
+    /// Returns the table, cut off after `most` rows; if `spacing` (s) is given, rows are at equal times.
     fn table<T: SampledTable>(&self, resolution: Resolution, most: usize, spacing: Option<f64>) -> T {
         let mut table = T::with_spacing(spacing);
         let mut segments_before = 0;
@@ -196,8 +195,8 @@ trait SampledTable {
     fn push(&mut self, time: f64, state: &MotionState, line: impl FnOnce() -> u32);
 }
 
-/// Adds a row to the columns of time, distance and feedrate. Rounding may put it a last digit before its
-/// predecessor, but a table must not go back.
+/// Adds a row to the columns of time, distance and feedrate. Rounding may put the row a last digit before its
+/// predecessor; it is moved forward, as a table must not go back.
 fn push_row([times, distances, feedrates]: [&mut Vec<f64>; 3], time: f64, state: &MotionState) {
     let not_before = |column: &[f64], value: f64| column.last().map_or(value, |last| last.max(value));
     times.push(not_before(times, time));
@@ -240,8 +239,8 @@ impl SampledTable for Samples {
     }
 }
 
-/// A candidate row: time since the beginning of the motion, true and filtered (s), the moment of the latter,
-/// and the state.
+/// A candidate row: true and filtered time since the beginning of the motion (s), the moment at the filtered
+/// time, and the state.
 #[derive(Clone, Copy)]
 struct CandidateRow {
     time: f64,
@@ -337,7 +336,7 @@ impl<T: SampledTable> Sampler<'_, T> {
         if 1 < filter.time_constants().len() && !filter.time_constants().iter().any(is_sharp) {
             return latest;
         }
-        // Edges ascend, and so do the kinks that one knot makes of them.
+        // Edges ascend, and so do the kinks that each knot causes at them.
         let end = motion.command_time();
         filter.knots().fold(latest, |next, knot| {
             let pulse = cursor.starts.first_above(motion.first_pulse, knot, time);

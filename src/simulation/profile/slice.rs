@@ -29,8 +29,8 @@ impl PulseSlice {
         PulseSlice { segment, older: pulse.duration, younger: 0.0, first, last, offset: pulse.offset }
     }
 
-    /// Returns the part within the window: from the beginning, or the edge, to the end, or now. Ends that are
-    /// not cut keep their values bit for bit.
+    /// Returns the part within the window: the beginning is cut at the age `delay` (s), and the end at the
+    /// age 0. Ends that are not cut keep their values bit for bit.
     pub(super) fn within(self, delay: f64) -> PulseSlice {
         let (begin, end) = (self.older.min(delay), self.younger.max(0.0));
         let (first, offset) =
@@ -39,9 +39,9 @@ impl PulseSlice {
         PulseSlice { older: begin, younger: end, first, last, offset, ..self }
     }
 
-    /// Returns how much of it has arrived along an arc of `length` mm (mm), and how fast it arrives (mm/s). A
-    /// function by itself, as the sum over the window nearly always consists of lines and has no registers to
-    /// spare.
+    /// Returns the displacement of the slice along an arc of `length` (mm) that has arrived (mm), and its
+    /// rate (mm/s). It is not inlined, because the sum over the window nearly always consists of lines and
+    /// needs all registers.
     #[inline(never)]
     pub(super) fn along_arc(&self, arc: &Arc, length: f64, filter: &FilterChain) -> (Vector, Vector) {
         let (mut arrived, mut arrives) = (ArcFrameVector::default(), ArcFrameVector::default());
@@ -158,7 +158,7 @@ pub(super) fn quadrature(
             let age = middle + node * half;
             let (feedrate, s) = slice.at(age);
             let sigma = s * per_length;
-            // An older part was commanded before the arc reached the middle.
+            // An older part was commanded before the middle of the arc.
             let (sin, cos) = if is_even {
                 (sin * cos_node - cos * sin_node, cos * cos_node + sin * sin_node)
             } else {

@@ -1,7 +1,7 @@
 //! The filtered motion at one moment, exactly.
 //!
-//! A command at the age a (seconds ago) has arrived by the share V(a). With the command
-//! velocity v(a) over the window of one filter delay D,
+//! Of a command sent a seconds ago (its age) the share V(a) has arrived. With the command velocity v(a) over
+//! the window of one filter delay D,
 //!
 //! ```text
 //! position      P = P(D) + ∫ v V da        P(D): commanded position, D ago
@@ -9,12 +9,12 @@
 //! acceleration  P̈ = [v h] + ∫ v̇ h da       and so on for the jerk
 //! ```
 //!
-//! where [·] is the difference between the ends of each pulse. Along a line v is linear in time
-//! and the integrals are differences of S, Q, V and h at the ends of each pulse. Along an arc v
-//! also turns, and the integrals are taken by Gauss-Legendre quadrature between the knots of h,
-//! over angles so small that its error is below the rounding. Clusters of short pulses count as a whole.
+//! where [·] is the difference between the ends of each pulse. Along a line v is linear in time and the
+//! integrals are differences of S, Q, V and h at the ends of each pulse. Along an arc v also turns, and the
+//! integrals are taken by Gauss-Legendre quadrature between the knots of h, over angles so small that its
+//! error is below rounding. Clusters of short pulses are added as a whole.
 //!
-//! Only ages enter, never the time since the start: a program of any length keeps all its digits.
+//! The formulas contain ages and never the time since the start, so that a long program loses no digits.
 //!
 //! ```text
 //!    command      pulse i−2   pulse i−1    pulse i
@@ -221,7 +221,8 @@ impl FilteredMotion<'_> {
         Dynamics { acceleration, jerk }
     }
 
-    /// Adds everything in the window to `sum`, the youngest first; returns the command one filter delay ago.
+    /// Adds all pulses and clusters in the window to `sum`, the youngest first; returns the command one
+    /// filter delay ago.
     fn for_each_part<T>(
         &self,
         moment: Moment,
@@ -231,7 +232,7 @@ impl FilteredMotion<'_> {
     ) -> DelayedCommand {
         let delay = self.filter.delay();
         let mut younger = moment.elapsed - self.pulses.duration(moment.pulse);
-        // One past the pulse that is next.
+        // Index one past the pulse to be added next.
         let mut next = moment.pulse + 1;
         while self.first_pulse < next {
             if !self.clusters.is_empty()

@@ -1,16 +1,16 @@
 //! The filtered motion along lines as a sum over the borders of pulses, for many moments near one another.
 //!
-//! Along lines an even command changes its velocity v only from one pulse to the next, by a step Δv. A step sent
-//! the age a ago has moved the tool by Δv S(a), and what was commanded one filter delay D ago has arrived in full:
+//! Along lines an even command changes its velocity v only from one pulse to the next, by a step Δv. A step
+//! of the age a has moved the tool by Δv S(a), and the command one filter delay D ago has arrived in full:
 //!
 //! ```text
 //! position  P = P(D) + v(D) S(D) + Σ Δv S(a)        over the borders within one filter delay
 //! velocity  Ṗ = v(D)             + Σ Δv V(a)
 //! ```
 //!
-//! That is the sum over pulses of `state` in another order, equal but for rounding. But a step does not
-//! depend on the moment: it is computed once for all moments that see it. The other sum applies if the window
-//! holds anything but lines at an even command, or clusters.
+//! Except for rounding this equals the sum over pulses of `state`, but a step does not depend on the moment:
+//! it is computed once for all moments in whose window it lies. If the window contains anything but lines at
+//! an even command, or clusters, the sum of `state` is used instead.
 
 use crate::simulation::profile::{FilteredMotion, Moment, MotionCursor, MotionState};
 use crate::simulation::toolpath::Curve;
@@ -18,18 +18,18 @@ use crate::simulation::toolpath::Curve;
 /// The velocity of each axis and the feedrate, mm/s.
 type Rate = nalgebra::Vector4<f64>;
 
-/// Most steps remembered: more than one delay of ordinary blocks holds.
+/// Most remembered steps: more than one filter delay contains in programs of ordinary blocks.
 const MAX_REMEMBERED_STEPS: usize = 128;
 
-/// A border that was not computed.
+/// Marks a border that was not computed.
 const UNCOMPUTED_BORDER: Border = Border { pulse: usize::MAX, step: None, after: None };
 
 /// A motion with remembered steps.
 pub struct RememberedSteps<'a> {
     /// The motion with its cursor.
     pub cursor: MotionCursor<'a>,
-    /// Remembered borders. Their number is a power of two, and a pulse's border is at the remainder of its
-    /// index.
+    /// Remembered borders. Their number is a power of two, and the border of a pulse is at the remainder of
+    /// the index of the pulse.
     known: Vec<Border>,
 }
 
@@ -87,8 +87,8 @@ impl<'a> RememberedSteps<'a> {
         Some(self.state_from(border, oldest.w * (age - filter.delay()), travel, rate))
     }
 
-    /// Returns the state of a tool that travelled on by `travel` (mm) from the command one delay ago, `way`
-    /// (mm) beyond the beginning of a pulse, and moves at `rate`.
+    /// Returns the state of a tool that moves at `rate` and has travelled by `travel` (mm) since the command
+    /// one filter delay ago, which was `way` (mm) beyond the beginning of a pulse.
     fn state_from(&mut self, pulse: usize, way: f64, travel: Rate, rate: Rate) -> MotionState {
         let FilteredMotion { pulses, segments, .. } = self.cursor.motion;
         let (segment, offset) = (pulses.segment(pulse), pulses.offset(pulse) + way);

@@ -7,26 +7,26 @@
 //! P̈ = v̇ u + v² N,        |P̈_k| ≤ A_k  for each axis k,     |v̇| ≤ A along the path
 //! ```
 //!
-//! The fastest such motion is found by two passes over the squared feedrate, one forward from each
-//! stop and one backward: from one sample to the next, Δσ apart,
+//! Two passes over the squared feedrate, one forward from each stop and one backward, find the fastest such
+//! motion: from one sample to the next, Δσ (mm) apart,
 //!
 //! ```text
 //! Δ(v²) ≤ 2 Δσ (A_k − v² |N_k|)/|u_k|
 //! ```
 //!
-//! at both of them, of which the second is solved for v² there, below v² = A_k/|N_k|, at which turning takes
-//! all of an axis. So a ramp begins as round as the filters
-//! make it, runs straight, and ends where it meets the filtered motion; with filters of no length it
-//! is a trapezoid. The path, and with it the contour error, is that of the filters.
+//! must hold at both samples. At the second it is solved for v², which stays below A_k/|N_k|, where turning
+//! uses the whole acceleration of an axis. A ramp therefore begins as round as the filters make it, continues
+//! straight, and ends where it meets the filtered motion; without filters it would be a trapezoid. The path,
+//! and with it the contour error, is that of the filters.
 //!
 //! Samples lie a 48th of the filter delay apart, closer where one of the filters is short, while the filtered
-//! motion changes, and nowhere else: where it is constant the ramps are straight, and their ends are put in
-//! exactly, and where it only follows a slope of the command a few samples do. The work is linear in the number of
-//! pulses. Limits: N counts with its magnitude, which takes a little too much where turning and braking would push
-//! an axis opposite ways; rotary axes are left out.
+//! motion changes, and nowhere else. Where the filtered motion is constant the ramps are straight, and their
+//! ends are inserted exactly; where it only follows a slope of the command a few samples suffice. The work is
+//! linear in the number of pulses. Limits: the magnitude of N is used, so that the machine is a little too
+//! slow where turning and braking push an axis in opposite directions; rotary axes are ignored.
 //!
-//! Controls that plan their ramps before any filter, as in [`crate::simulation::feed::block`], have their plans
-//! left as they are.
+//! Plans of controls that plan their ramps before any filter, as in [`crate::simulation::feed::block`], do
+//! not change.
 
 use crate::machine::Machine;
 use crate::simulation::feed::{FeedPlan, Knot, RestToRest, TimeScaling, time_scaling};
@@ -48,7 +48,7 @@ const SAMPLES_PER_SLOPE: f64 = 16.0;
 /// Largest angle turned on an arc between two samples, rad.
 const MAX_SAMPLE_ANGLE_RAD: f64 = 0.02;
 
-/// Cosine of the angle between two samples below which the motion turned back.
+/// Cosine of the angle between the directions at two samples below which the motion has turned back.
 const REVERSAL_COSINE: f64 = -0.99;
 
 /// A feedrate less than this part below the filtered one counts as equal to it.
@@ -216,8 +216,8 @@ impl AccelerationLimits {
         by_axes.min(from.square + doubled * self.available(from, from.square))
     }
 
-    /// Returns where, between two samples of a constant filtered motion, one ramp ends and another begins, or
-    /// both meet.
+    /// Returns the samples to insert between two samples of a constant filtered motion: where one ramp ends
+    /// and the other begins, or where both meet.
     fn turning_points(&self, from: &MotionSample, to: &MotionSample) -> [Option<MotionSample>; 2] {
         let full = from.filtered * from.filtered;
         let is_constant = (to.filtered / from.filtered - 1.0).abs() <= 1e-9;
@@ -279,8 +279,9 @@ impl FilteredMotion<'_> {
         time_scaling::true_time(self.knots, filtered)
     }
 
-    /// Returns acceleration and jerk at a true time since the beginning of the motion, s: along a path with
-    /// the direction u and its derivatives N and N′ by length, v̇ u + v² N, and its derivative.
+    /// Returns acceleration and jerk at a true time since the beginning of the motion, s. On a path with the
+    /// direction u and its derivatives N and N′ by length the acceleration is v̇ u + v² N, and the jerk its
+    /// derivative.
     pub(super) fn dynamics_at(&self, time: f64) -> Dynamics {
         let pace = time_scaling::filtered_time(self.knots, time);
         let moment = self.moment(pace.filtered);

@@ -15,12 +15,12 @@
 //! ```
 //!
 //! Separator tab, `;` or `,`; decimal comma or point. Every column headed `Name` is the time of the channels
-//! right of it, so groups of another sample time keep their stamps; a group that ends earlier has empty
-//! cells. Values are already scaled (by `ScaleFactor` and `Offset`), so the factors are not applied again. A
-//! channel is identified by its name, or else by its `SymbolName`.
+//! to its right, so that groups with different sample times keep their stamps; a group that ends earlier has
+//! empty cells. `ScaleFactor` and `Offset` are already applied to the values. A channel is identified by its
+//! name, or else by its `SymbolName`.
 //!
-//! Source: infosys.beckhoff.com, TE13xx; the test files of pytcs. Left out: binary exports (.svb),
-//! triggered exports with several heads.
+//! Source: infosys.beckhoff.com, TE13xx; the test files of pytcs. Not read: binary exports (.svb), triggered
+//! exports with several heads.
 
 use std::sync::Arc;
 

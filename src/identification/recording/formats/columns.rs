@@ -18,7 +18,7 @@ pub(in crate::identification::recording) enum TableColumn {
 }
 
 impl TableColumn {
-    /// Adds the cell of a row. Returns `false` if it holds something that is no value of this column.
+    /// Adds the cell of a row. Returns `false` if the content is not a value of this column.
     pub(in crate::identification::recording) fn push(&mut self, row: usize, cell: &str) -> bool {
         match self {
             TableColumn::Numbers(values) => {

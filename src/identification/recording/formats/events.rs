@@ -9,12 +9,13 @@
 //!
 //! `time|item|value` with any number of pairs; `device:item` and `time@duration` are allowed; lines of
 //! commands (`* PING`), assets (`@ASSET@`) and conditions (six fields whose value is NORMAL, WARNING, FAULT
-//! or UNAVAILABLE) are skipped. Long tables (`t_s,key,value`) are read by `table` and end here. Values hold
-//! until the next event of the item; each item has its stamps. UNAVAILABLE begins a gap; a silent connection
-//! cannot be distinguished from values that do not change. Units are the adapter's and are not stated.
+//! or UNAVAILABLE) are skipped. Long tables (`t_s,key,value`) are divided into cells by `table` and become
+//! signals here. A value holds until the next event of its item; each item has its own stamps. UNAVAILABLE
+//! begins a gap; a silent connection cannot be distinguished from values that do not change. Adapters do not
+//! state their units.
 //!
-//! Source: MTConnect Part 1, "SHDR protocol"; cppagent's demo logs; NIST's smstestbed. Left out:
-//! time series and data sets in one value, quoted values that contain `|`.
+//! Source: MTConnect Part 1, "SHDR protocol"; cppagent's demo logs; NIST's smstestbed. Not read: time series
+//! and data sets in one value, quoted values that contain `|`.
 
 use std::collections::HashMap;
 
@@ -89,7 +90,7 @@ pub(in crate::identification::recording) fn read(
     let mut joined = 0;
     for (at, line) in lines(text) {
         match line.split_once('|').and_then(|(time, rest)| Some((stamp(time)?, rest))) {
-            // Assets have other stamps, often of another day.
+            // Stamps of assets are from another clock, often of another day.
             Some((_, rest)) if rest.starts_with('@') => {}
             Some((stamp, rest)) => {
                 stamps.push(stamp);
@@ -111,7 +112,7 @@ pub(in crate::identification::recording) fn read(
             }
         }
     }
-    // Without its line end the last value may be cut within a number, which still looks like one.
+    // Without a line end the last value may be cut within a number, and still look like a number.
     if !text.ends_with(['\n', '\r'])
         && let Some((line, rest)) = rows.last_mut()
         && let Some((front, value)) = rest.rsplit_once('|')
@@ -179,7 +180,7 @@ pub(in crate::identification::recording) fn name_not_read(
     }
 }
 
-/// Turns events into one signal per item that is read; `units` are known for some items.
+/// Returns one signal per item that is read; `units` holds the units that are known.
 pub(in crate::identification::recording) fn signals<'a>(
     events: impl Iterator<Item = ItemEvent<'a>>,
     units: &[(&str, LogUnit)],
@@ -216,7 +217,7 @@ pub(in crate::identification::recording) fn signal(
     remarks: &mut RecordingRemarks,
 ) -> Signal {
     sort_by_number(&mut events, |event| event.0);
-    // Of several values with one stamp the last holds.
+    // If several values have one stamp, the last one counts.
     let mut kept: Vec<(f64, &str)> = Vec::with_capacity(events.len());
     for event in events {
         match kept.last_mut() {

@@ -5,14 +5,15 @@
 //! 4711  12.5  0.0  -3.0  8.333  17
 //! ```
 //!
-//! The pins are whatever was linked to the sampler, so columns are identified by their values and named in a
-//! remark; names can be given instead ([`crate::identification::recording::ReadingOptions`]). In order: a first
-//! column of whole numbers rising by one is the sample number (a jump: samples were lost because the FIFO was
-//! full), a first column that rises by nearly equal fractions is time in s, the next three columns are X, Y
-//! and Z, and further ones are the line if whole and never negative, else the feed. One row is a servo
-//! period, [`LINUXCNC_SERVO_PERIOD_S`], unless an interval is given. Machine units are not stated: mm or inch.
+//! The columns are the pins that the user linked to the sampler. They are identified by their values, and a
+//! remark lists them; names can be given instead ([`crate::identification::recording::ReadingOptions`]). In
+//! order: a first column of whole numbers rising by one is the sample number (a jump: samples were lost
+//! because the FIFO was full), a first column that rises by nearly equal fractions is time in s, the next
+//! three columns are X, Y and Z, and further ones are the line if whole and never negative, else the feed.
+//! One row is a servo period, [`LINUXCNC_SERVO_PERIOD_S`], unless an interval is given. The unit of the
+//! machine, mm or inch, is not stated.
 //!
-//! Source: halsampler(1), sampler(9). Left out: bit pins as words, several samplers in one file.
+//! Source: halsampler(1), sampler(9). Not read: bit pins as words, several samplers in one file.
 
 use crate::identification::recording::field::{ChannelField, ChannelLabel, LoopSide};
 use crate::identification::recording::formats::columns::{TableColumn, TableRows};
@@ -22,7 +23,7 @@ use crate::identification::recording::{ReadingOptions, RecordingError, Recording
 /// Usual servo period of LinuxCNC, s.
 pub const LINUXCNC_SERVO_PERIOD_S: f64 = 1e-3;
 
-/// Names the columns of `rows`, and adds a time column if there is none.
+/// Identifies the columns of `rows`, and adds a time column if there is none.
 pub(in crate::identification::recording) fn named(
     mut rows: TableRows,
     options: &ReadingOptions,

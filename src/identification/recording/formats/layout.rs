@@ -10,8 +10,8 @@
 //! in it begins the data; the one or two lines above it are names and units, and anything before is
 //! preamble. Lines that begin with `#` or `%` are comments, but may hold the names.
 //!
-//! A last row without its line end may be cut within a number, so it is kept only if it has as many decimals
-//! as the row before. Left out: units in a third row, line breaks within quotes above the data.
+//! A last row without a line end may be cut within a number; it is kept only if it has as many decimals as
+//! the row before. Not read: units in a third row, line breaks within quotes above the data.
 
 use crate::identification::recording::clock::iso;
 use crate::identification::recording::field::{ChannelField, ChannelLabel};
@@ -52,7 +52,7 @@ pub(in crate::identification::recording) fn layout(
     if let Some((at, line)) = lines.iter().find(|(_, line)| MAX_LINE_BYTES < line.len()) {
         return Err(RecordingError::LongLine { line: at + 1, bytes: line.len(), most: MAX_LINE_BYTES });
     }
-    // Values of events may hold any separator, so a head of time, item and value is enough.
+    // Values of events may contain any separator, so that a head of time, item and value suffices.
     for separator in SEPARATORS.iter().take(4) {
         let head = lines.first().map(|(_, line)| split(line, *separator)).unwrap_or_default();
         let names: Vec<String> = head.into_iter().map(str::to_owned).collect();
@@ -72,7 +72,7 @@ pub(in crate::identification::recording) fn layout(
         let regular = rows.iter().filter(|row| row.len() == width);
         let values = regular.clone().flatten().filter(|cell| is_value(cell)).count();
         let cells = rows.iter().map(Vec::len).sum::<usize>().max(1);
-        // One wide column is a table of one column only if no separator cuts it.
+        // A separator that leaves one column counts only if no other separator divides the rows.
         let score = values as f64 / cells as f64 * if width < 2 { 0.1 } else { 1.0 };
         if best.is_none_or(|(other, ..)| other < score) {
             best = Some((score, *separator, width));

@@ -1,4 +1,4 @@
-//! MTConnect streams: the XML an agent answers `/sample` or `/current` with.
+//! MTConnect streams: the XML with which an agent answers `/sample` or `/current`.
 //!
 //! ```text
 //! <DeviceStream> <ComponentStream component="Linear" name="X">
@@ -6,16 +6,16 @@
 //!   <Events>  <Execution dataItemId="e1" timestamp="…">ACTIVE</Execution>
 //! ```
 //!
-//! An agent has converted to the standard's units: MILLIMETER, MILLIMETER/SECOND, PERCENT,
-//! REVOLUTION/MINUTE. Read are: Position of a linear axis named X, Y or Z, PathPosition,
-//! PathFeedrate, PathFeedrateOverride and the older PathFeedrate of subtype OVERRIDE, Line,
-//! LineNumber, Block, Execution, Program, ToolNumber, ToolId, RotaryVelocity and SpindleSpeed.
-//! Values hold until the next one of the item. Components follow one another in the file, so stamps ascend
-//! only within an item; each item is sorted by its stamps. Several consecutive answers in a file, as in a
-//! saved stream, are one recording; observations that occur in several count once.
+//! Agents convert values to the units of the standard: MILLIMETER, MILLIMETER/SECOND, PERCENT,
+//! REVOLUTION/MINUTE. The reader reads Position of a linear axis named X, Y or Z, PathPosition, PathFeedrate,
+//! PathFeedrateOverride and the older PathFeedrate of subtype OVERRIDE, Line, LineNumber, Block, Execution,
+//! Program, ToolNumber, ToolId, RotaryVelocity and SpindleSpeed. A value holds until the next one of its
+//! item. Components follow one another in the file, so that stamps ascend only within an item; each item is
+//! sorted by its stamps. Several consecutive answers in a file, as in a saved stream, are one recording; an
+//! observation that occurs in several of them counts once.
 //!
-//! Source: MTConnect Part 3. Left out: time series, data sets, conditions, several devices (the
-//! first one with motion is read).
+//! Source: MTConnect Part 3. Not read: time series, data sets, conditions, several devices (the first one
+//! with motion is read).
 
 use std::collections::HashMap;
 

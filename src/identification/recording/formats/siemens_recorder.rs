@@ -10,15 +10,15 @@
 //!   "Footer":  … }
 //! ```
 //!
-//! The signal CYCLE, or else a first number beyond the list of signals, counts cycles; time is that
-//! count × the cycle time, which is [`DEFAULT_CYCLE_TIME_S`] where the header does not give it. DES_POS|n is
-//! the setpoint after fine interpolation and ENC_POS|n the encoder (also ENC1_POS, ENC2_POS) of axis
-//! n in mm; axes 1 to 3 are X, Y, Z where the header names none. Block events give line, block and
-//! tool on change, low-frequency data the rest, both at their count.
+//! The signal CYCLE, or else a first number in addition to the listed signals, counts cycles. Time is that
+//! count times the cycle time, which is [`DEFAULT_CYCLE_TIME_S`] if the header does not give it. DES_POS|n is
+//! the setpoint after fine interpolation and ENC_POS|n the encoder (also ENC1_POS, ENC2_POS) of axis n in mm;
+//! axes 1 to 3 are X, Y, Z if the header does not name them. Block events give line, block and tool on
+//! change, low-frequency data all other fields, each at its count.
 //!
-//! Source: Siemens Industrial Operations X documentation, "Data output format". Left out: chains of
-//! files (each is read alone), HFCallEvent, ExternalData, motor and current signals. The whole tree
-//! is held in memory: some ten times the file.
+//! Source: Siemens Industrial Operations X documentation, "Data output format". Not read: chains of files as
+//! a whole (each file is read alone), HFCallEvent, ExternalData, motor and current signals. The whole tree is
+//! in memory, about ten times the size of the file.
 
 use serde_json::Value;
 use std::collections::HashMap;
@@ -141,7 +141,7 @@ impl CycleSamples {
     }
 }
 
-/// Values on change, by name or address, each with the count of cycles at which it began to hold.
+/// Values on change, by name or address, each with the count of cycles at which it began.
 type HeldEvents = HashMap<String, (ChannelLabel, Vec<(f64, String)>)>;
 
 /// Adds line, block and tool of a part's block event.
@@ -209,7 +209,7 @@ fn labels(header: &Value) -> Vec<ChannelLabel> {
     list.into_iter().flatten().map(label).collect()
 }
 
-/// Returns a number, also if it is written as text.
+/// Returns a number, including one that is written as text.
 fn as_number(value: &Value) -> Option<f64> {
     value.as_f64().or_else(|| value.as_str()?.trim().parse().ok()).filter(|number| is_plausible(*number))
 }

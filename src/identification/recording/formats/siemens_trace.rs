@@ -8,14 +8,14 @@
 //!   <rec time="0.004" f1="12.6"/>
 //! ```
 //!
-//! `time` is in s. A record holds only the signals sampled at its moment, so every signal has its stamps. A
-//! record's attribute is the `id` of a `dataSignal`, whose `key` is that of a `signal`; the order of either
-//! is meaningless. Without `dataSignal`s, `fN` is the N-th signal. A signal is identified by its description,
-//! or else by its name; units are rarely given: mm or inch, by the basic system of the machine. Truth values
-//! become 0 and 1.
+//! `time` is in s. A record contains only the signals sampled at its moment, so that every signal has its own
+//! stamps. The name of a record's attribute is the `id` of a `dataSignal`, whose `key` is that of a `signal`;
+//! the order of either is meaningless. Without `dataSignal`s, `fN` is the N-th signal. A signal is identified
+//! by its description, or else by its name; units are rarely given: mm or inch, by the basic system of the
+//! machine. Truth values become 0 and 1.
 //!
-//! Source: readers of such files (Trace-Tools, sinumerik oscilloscopes); no published schema. Left
-//! out: several data frames (the longest is read), response tests (`ResponseTestCustom`).
+//! Source: readers of such files (Trace-Tools, sinumerik oscilloscopes); no published schema. Not read:
+//! several data frames (only the longest is read), response tests (`ResponseTestCustom`).
 
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
@@ -82,7 +82,7 @@ pub(in crate::identification::recording) fn read(
     }
     let mut signals = Vec::with_capacity(values.len());
     for (label, time, values) in values {
-        // Lines of an XML file say nothing about records, so the number of the record is used.
+        // Lines of an XML file are unrelated to records, so that remarks use the number of the record.
         let parts = split_recordings(
             &time,
             |row| row + 1,

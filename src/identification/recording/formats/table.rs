@@ -9,17 +9,17 @@
 //! ```
 //!
 //! `layout` finds head and separator, `field` interprets the names. Time is a column of stamps, or of numbers
-//! in the unit its name states; without a unit the step determines it if it is unambiguous (see
-//! [`time_unit`]), and otherwise the file is refused.
+//! in the unit that its name states. Without a unit the step determines it if that is unambiguous (see
+//! [`time_unit`]); otherwise the file is refused.
 //!
 //! Heidenhain's `scope2csv` (pyLSV2, scripts/scope2csv.py) writes names such as `x_s_actual`, no time and no
 //! units: time is row × interval, [`DEFAULT_SCOPE_INTERVAL_S`] by default. The control sends packets of 32 samples;
 //! samples lost between two packets leave no trace in the file.
 //!
-//! A table of `time, item, value` is an event log (`events`); one without names goes through
-//! `headerless`.
+//! A table of `time, item, value` is an event log (`events`); `headerless` identifies the columns of a table
+//! without names.
 //!
-//! Left out: thousands separators, more than one table in a file.
+//! Not read: thousands separators, more than one table in a file.
 
 use std::sync::Arc;
 
@@ -67,7 +67,7 @@ pub(in crate::identification::recording) fn read(
     Ok(("table", captures(rows, options, remarks)?))
 }
 
-/// Turns columns into signals, split where time starts again.
+/// Returns the signals of the columns, split where time restarts.
 fn captures(
     mut rows: TableRows,
     options: &ReadingOptions,
@@ -132,7 +132,7 @@ fn captures(
         .map(|l| l.name.clone())
         .collect();
     name_not_read(unread, remarks);
-    // The time column is no value that could differ between copies of a row.
+    // Copies of a row are compared without the time column.
     for (label, column) in rows.labels.iter().zip(&mut rows.columns) {
         if matches!(label.field, Some(ChannelField::Time | ChannelField::SampleNumber)) {
             *column = TableColumn::Skipped;
@@ -142,7 +142,7 @@ fn captures(
     Ok(parts.into_iter().map(|part| Capture { origin, signals: rows.signals(&part) }).collect())
 }
 
-/// Returns stamps of rows `interval` s apart, or of their sample numbers.
+/// Returns the stamps of rows that are `interval` (s) apart, by their sample numbers if recorded.
 fn counted(rows: &TableRows, interval: f64, remarks: &mut RecordingRemarks) -> Vec<f64> {
     let numbers = rows.labels.iter().zip(&rows.columns).find_map(|(label, column)| match column {
         TableColumn::Numbers(values) if label.field == Some(ChannelField::SampleNumber) => Some(values),
@@ -164,9 +164,9 @@ fn counted(rows: &TableRows, interval: f64, remarks: &mut RecordingRemarks) -> V
     numbers.iter().map(|number| number * interval).collect()
 }
 
-/// Returns the unit of times that state none. Dates in s, ms, µs or ns since 1970 are unambiguous; of steps,
-/// those up to half a second are seconds, those from 50 milliseconds, and those from 100 000 microseconds,
-/// for logs of 1 Hz to 1 kHz. Other steps are refused.
+/// Returns the unit of times that state none. Dates in s, ms, µs or ns since 1970 are unambiguous. Other
+/// times are judged by their step, for logs of 1 Hz to 1 kHz: steps up to 0.5 are seconds, from 50 on
+/// milliseconds, from 100 000 on microseconds; other steps are refused.
 fn time_unit(values: &[f64], name: &str) -> Result<LogUnit, RecordingError> {
     let first = values.iter().copied().find(|value| value.is_finite()).unwrap_or(0.0);
     for (unit, from) in [(SECOND, 1e9), (MILLISECOND, 1e12), (MICROSECOND, 1e15), (NANOSECOND, 1e18)] {

@@ -10,7 +10,7 @@ use crate::project::quote::job::report::{JobReport, OperationRow};
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JobComparison {
     pub(super) names: [String; 2],
-    /// Operations of either job, in the order of the first; those of the second alone come last.
+    /// Operations of either job, in the order of the first; operations only in the second come last.
     pub(super) operations: Vec<OperationPair>,
     pub(super) cycle_time_s: Difference,
     pub(super) set_up_s: Difference,
@@ -40,15 +40,15 @@ pub(super) struct OperationPair {
     /// Index in each job.
     pub(super) index: [Option<usize>; 2],
     pub(super) cycle_time_s: [Option<f64>; 2],
-    /// Without margin and set-up.
+    /// Cost of a part without margin and set-up.
     pub(super) part_cost: [Option<f64>; 2],
     /// The second less the first; a missing operation takes no time.
     pub(super) cycle_time_difference_s: f64,
 }
 
 impl JobComparison {
-    /// Compares the second job with the first. Operations are paired by name, in order if several have one
-    /// name, and the others by program.
+    /// Compares the second job with the first. Operations are paired by name, in order if several have the
+    /// same name, and the remaining ones by program.
     pub fn new(first: &JobReport, second: &JobReport) -> JobComparison {
         let partners = partners(&first.operations, &second.operations);
         let mut is_taken = vec![false; second.operations.len()];

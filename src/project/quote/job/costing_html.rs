@@ -1,4 +1,4 @@
-//! The internal costing of a job: every time, rate and amount, for the house and not for the customer.
+//! The costing of a job: every time, rate and amount, for the house and not for the customer.
 
 use crate::plot::escaped;
 use crate::project::VERSION;

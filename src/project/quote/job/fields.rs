@@ -36,7 +36,7 @@ impl<'a> Fields<'a> {
         if self.place.is_empty() { key.to_string() } else { format!("{}.{key}", self.place) }
     }
 
-    /// Returns a field as written; `None` if it is missing.
+    /// Returns the value of a field as written; `None` if it is missing.
     pub(super) fn value(&self, key: &str) -> Option<&'a Value> {
         self.map.get(key)
     }
@@ -88,7 +88,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Returns the faults of another reader as a fault of the field.
+    /// Returns the faults that another reader found in the field as a fault of the field.
     pub(super) fn at(&self, key: &str, faults: &[TextFault]) -> TextFault {
         let first = faults.first();
         let below = first.and_then(|fault| fault.key.as_ref()).map(|below| format!(".{below}"));

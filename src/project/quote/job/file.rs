@@ -18,11 +18,12 @@ use crate::units::Unit;
 /// Version of the format.
 const JOB_VERSION: u64 = 1;
 
-/// Most operations: each is a simulation.
+/// Most operations of a job: each needs a simulation.
 const MAX_OPERATIONS: usize = 200;
 
-/// Longest name, and longest path of a file, characters.
+/// Largest number of characters of a name.
 const MAX_NAME_CHARACTERS: usize = 200;
+/// Largest number of characters of the path of a file.
 const MAX_PATH_CHARACTERS: usize = 4000;
 
 /// Bounds of the parts on a fixture.
@@ -55,7 +56,7 @@ const OPERATION_FIELDS: [&str; 10] = [
     "loading_s",
 ];
 
-/// A job as its file describes it; programs and machine files are read later.
+/// The content of the file of a job; programs and machine files are read later.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobFile {
     /// Name of the part; may be empty.
@@ -68,14 +69,14 @@ pub struct JobFile {
     pub(in crate::project) letter: Letter,
 }
 
-/// An operation of a job, including the settings that the job makes for all of them.
+/// An operation of a job, including the settings that the job makes for all operations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobOperationFile {
     /// File of the program, relative to the folder of the job, or the name of the program in `text`.
     pub program: String,
     /// Text of the program, if the job contains it.
     pub text: Option<String>,
-    /// Name; if empty, the program's.
+    /// Name; if empty, that of the program.
     pub name: String,
     /// Machine.
     pub machine: MachineSource,
@@ -279,7 +280,7 @@ fn operation(fields: &Fields, job: &SharedSettings, terms: &Terms) -> Result<Job
     })
 }
 
-/// Reads the machine of an operation: the path of a machine file, or a machine in its place.
+/// Reads the machine of an operation: the path of a machine file, or a machine itself.
 fn machine(fields: &Fields) -> Result<Option<MachineSource>, TextFault> {
     match fields.value("machine") {
         None | Some(Value::Null) => Ok(None),

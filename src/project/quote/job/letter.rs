@@ -13,7 +13,7 @@ use crate::units::Unit;
 pub(in crate::project) struct Letter {
     pub(super) customer: String,
     pub(super) number: String,
-    /// As printed; not read from a clock.
+    /// Date as printed; the user enters it.
     pub(super) date: String,
     pub(super) valid_until: String,
     pub(super) part_number: String,
@@ -34,7 +34,7 @@ pub(in crate::project) struct Company {
     pub(super) address: String,
     pub(super) contact: String,
     pub(super) tax_number: String,
-    /// Picture as a data address; empty if there is none.
+    /// Picture as a data URL; empty if there is none.
     pub(super) logo: String,
 }
 
@@ -178,7 +178,7 @@ fn nonempty<'a>(texts: impl Iterator<Item = (&'a LetterField, &'a String)>) -> M
     )
 }
 
-/// Returns a logo if it is a picture in base 64 and nothing else, as documents contain it.
+/// Returns a logo if it consists only of a picture in base 64, as documents contain it unescaped.
 fn checked_logo(logo: String, company: &Fields) -> Result<String, TextFault> {
     let base64 = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'+' | b'/' | b'=');
     let is_picture = LOGO_BEGINNINGS

@@ -11,9 +11,9 @@
 //! ```
 //!
 //! An operation without machine, tolerance, dialect, arc centres, fixture, set-up or loading has those of the
-//! job (set-up and loading in its terms). A tolerance of null means the program's. Files are relative to the
-//! folder of the job. Terms have the keys of their form. An operation may contain its program as `text`
-//! instead of a file. `docs/job.schema.json` is a JSON Schema of the format.
+//! job (set-up and loading in its terms). A tolerance of null means the tolerances of the program. Files are
+//! relative to the folder of the job. Terms have the keys of their form. An operation may contain its program
+//! as `text` instead of a file. `docs/job.schema.json` is a JSON Schema of the format.
 //!
 //! Only version 1 is read, and an unknown field is refused.
 

@@ -1,5 +1,5 @@
-//! The offer of a job for the customer: prices by quantity, conditions, tax. It has no cost, rate, machine or
-//! internal remark.
+//! The offer of a job for the customer: prices by quantity, conditions, tax. The document contains no cost,
+//! rate, machine or internal remark.
 
 use crate::plot::escaped;
 use crate::project::figures::grouped;

@@ -1,5 +1,5 @@
-//! A job with the times of its programs → times and price, as the command and the page show them. Amounts are
-//! in the currency of the terms, times in s.
+//! A job with the times of its programs → times and price, for the command and the page. Amounts are in the
+//! currency of the terms, times in s.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -79,7 +79,7 @@ pub struct JobReport {
     pub(super) set_up_s: f64,
     /// Time of the batch, its operations one after the other.
     pub(super) batch_time_s: f64,
-    /// Largest error of the cycle time of a part from the doubts that have a bound.
+    /// Largest error of the cycle time of a part by the doubts that have a bound.
     pub(super) in_doubt_s: f64,
     pub(super) bounded: bool,
     pub(super) addends: Vec<JobAddend>,
@@ -105,7 +105,7 @@ pub(super) struct OperationRow {
     pub(super) name: String,
     pub(super) program: String,
     pub(super) machine: String,
-    /// For example `10 µm`, or `as programmed`.
+    /// Contour tolerance in words, for example `10 µm`, or `as programmed`.
     pub(super) tolerance: String,
     pub(super) tolerance_mm: f64,
     pub(super) parts_per_load: u32,
@@ -115,7 +115,7 @@ pub(super) struct OperationRow {
     /// Cycle time of a part.
     pub(super) cycle_time_s: f64,
     pub(super) cycle_time_range_s: Option<[f64; 2]>,
-    /// Time of its tool changes that other parts and operations pay.
+    /// Time of the operation's tool changes that is charged to other parts and operations.
     pub(super) shared_s: f64,
     pub(super) breakdown: Kinds,
     pub(super) in_doubt_s: f64,
@@ -140,7 +140,7 @@ pub(super) struct JobAddend {
     pub(super) row: AddendRow,
 }
 
-/// A missing term, with its operation unless it concerns all.
+/// A missing term, with its operation unless it concerns the whole job.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct MissingRow {
     pub(super) key: &'static str,
@@ -369,7 +369,8 @@ fn uncertainty(operations: &[OperationRow], range: Option<[f64; 2]>) -> Uncertai
     UncertaintyRow { kind, ratio, cycle_time_s: range, sentence: sentences.join(" ") }
 }
 
-/// Returns the name of an operation: the estimator's, the program's, or that of its file.
+/// Returns the name of an operation: that in the job, or else the title of the program, or the name of its
+/// file.
 fn operation_name(file: &JobOperationFile, program: &PlannedProgram) -> String {
     let path = file.program.replace('\\', "/");
     let last = path.rsplit('/').next().unwrap_or(&path);

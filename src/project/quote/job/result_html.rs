@@ -1,4 +1,4 @@
-//! The result of a job for sharing: times, their uncertainty, and pictures; no money, rates or customer.
+//! The result of a job for sharing: times, their uncertainty, and pictures, without money, rates or customer.
 
 use crate::plot::escaped;
 use crate::project::VERSION;

@@ -1,4 +1,4 @@
-//! A job, and a comparison of two, as the command prints them.
+//! A job, and a comparison of two jobs, as text for the command line.
 
 use crate::project::figures::{clock, grouped};
 use crate::project::quote::job::comparison::{Difference, JobComparison};
@@ -34,7 +34,7 @@ impl JobReport {
             clock(self.programmed_time_s)
         );
         text += &format!("\nbatch {}, {} of it set-up", clock(self.batch_time_s), clock(self.set_up_s));
-        // Without any cost, a price of 0 would be mistaken for a price.
+        // Without any cost there is no price; 0 would be mistaken for one.
         for batch in self.breaks.iter().filter(|_| !self.addends.is_empty()) {
             let range = batch
                 .total_range
@@ -108,7 +108,6 @@ fn signed(seconds: f64) -> String {
     format!("{sign}{} s", grouped(seconds, 1))
 }
 
-/// Pads a name to a width, or cuts it.
 /// Returns the width of a column of these names, characters.
 fn name_width<'a>(names: impl Iterator<Item = &'a str>) -> usize {
     let longest = names.map(|name| name.chars().count()).max().unwrap_or(0);

@@ -78,7 +78,7 @@ pub(in crate::project) fn table(head: &str, rows: &[Vec<String>]) -> String {
     rows.iter().fold(format!("{head}\n"), |csv, cells| csv + &row(cells))
 }
 
-/// Returns a cell for a spreadsheet. Text that would be read as a formula is quoted.
+/// Returns a cell for a spreadsheet. Text that a spreadsheet would read as a formula is quoted.
 fn cell_of_csv(text: &str) -> String {
     let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.parse::<f64>().is_err();
     let text = if is_formula { format!("'{text}") } else { text.to_string() };

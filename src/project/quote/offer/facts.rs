@@ -6,7 +6,7 @@ use crate::project::quote::offer::report::{Fact, OfferReport, UncertaintyRow};
 use crate::quote::Uncertainty;
 use crate::units::Unit;
 
-/// Least percentage that is reported: less would round to 0.
+/// Least reported percentage: smaller ones would round to 0.
 const MIN_REPORTED_PERCENT: f64 = 0.05;
 
 pub(in crate::project) fn uncertainty_row(
@@ -60,7 +60,7 @@ pub(in crate::project) fn uncertainty_row(
     UncertaintyRow { kind, ratio, cycle_time_s: ends, sentence }
 }
 
-/// Formats a symmetric error of a cycle time; never as 0.
+/// Formats a symmetric error of a cycle time, at least as the smallest reported percentage.
 fn spread(ratio: f64) -> String {
     let percent = Unit::Percent.from_core(ratio);
     if percent < MIN_REPORTED_PERCENT { "within ±0.1 %".to_string() } else { format!("±{percent:.1} %") }

@@ -1,5 +1,6 @@
 //! An offer as one self-contained HTML document for printing: no scripts, no other files, the charts inline
-//! as SVG, and a policy that lets it load nothing. It is well-formed XML except for its first line.
+//! as SVG, and a policy that prevents it from loading anything. The document is well-formed XML except for
+//! its first line.
 
 use crate::plot::escaped;
 use crate::project::VERSION;
@@ -131,7 +132,7 @@ pub(in crate::project) fn table(
     if rows.is_empty() {
         return String::new();
     }
-    // A second column without a head describes the first.
+    // A second column without a heading describes the first.
     let is_basis = head.get(1) == Some(&"");
     let cells = |row: &[String]| -> String {
         let cell = |(index, cell): (usize, &String)| {

@@ -1,4 +1,5 @@
-//! An offer as text: what the page shows, and JSON. Amounts are in the currency of the terms, times in s.
+//! A request for an offer → its report for the page and as JSON. Amounts are in the currency of the terms,
+//! times in s.
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -16,7 +17,7 @@ use crate::quote::{Addend, AddendKind, Offer, Terms, Uncertainty, offer};
 use crate::units::{MINUTES_PER_HOUR, PERCENT, SECONDS_PER_HOUR, Unit};
 
 /// A request for an offer: filled forms of machine and terms, and runs of `predict --json`, of which times
-/// and tolerance are read. The run `chosen` is offered, the others are listed for comparison.
+/// and tolerance are read. The offer is for the run `chosen`; other runs are listed for comparison.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct OfferRequest {
@@ -60,7 +61,7 @@ impl OfferReport {
     ///
     /// # Errors
     ///
-    /// Returns the faults of its forms.
+    /// Returns the faults of the forms in the request.
     pub fn from_json(json: &str) -> Result<OfferReport, Vec<TextFault>> {
         let malformed = |message: String| vec![TextFault { place: None, key: None, message }];
         let mut asked: OfferRequest =

@@ -4,8 +4,8 @@
 //! - ANG with one coordinate of the end: a straight line at this angle to the first axis of the plane.
 //! - CR, AR, CIP and CT give an arc by its radius, its opening angle, a point on it, its first direction.
 //!
-//! Source: SINUMERIK 840D sl, Programming Manual Fundamentals, 2013. Left out: two straight lines by their angles
-//! and the end of the second.
+//! Source: SINUMERIK 840D sl, Programming Manual Fundamentals, 2013. Not read: two straight lines by their
+//! angles and the end of the second.
 
 use crate::machine::AXES;
 use crate::simulation::gcode::address;

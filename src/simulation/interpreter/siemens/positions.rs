@@ -11,7 +11,7 @@
 //! fro. A position of CYCLE802 has X or Y. A digit of XA and YA, the one of X0 at the units, is 1 for a
 //! coordinate, 2 for an increment from the position before. Moves between the holes are rapids.
 //!
-//! Source: SINUMERIK 840D sl, Programming Manuals Cycles and Job Planning, 2013. Left out: the order by the
+//! Source: SINUMERIK 840D sl, Programming Manuals Cycles and Job Planning, 2013. Not read: the order by the
 //! shortest way, shear angles and hidden positions of CYCLE801.
 
 use crate::simulation::gcode::{HolePattern, PatternShape, whole_number};
