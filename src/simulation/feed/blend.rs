@@ -24,6 +24,9 @@
 //! v² ≤ Σ 2 A s   over k, k+1, …, k+N−1          N look-ahead; where the rest-to-rest motion ends earlier, up to its end
 //! ```
 //!
+//! A parabola among these pieces lifts this limit: the planner has each leg before a parabola brake to a stop at its
+//! own end, so the motion can stop there.
+//!
 //! A parabola is the part of the motion in which the first leg brakes while the second already speeds up. Its
 //! path speed changes from the first value to the last with one acceleration.
 //!
@@ -85,7 +88,7 @@ impl Blend {
     fn piece(&self, length: f64, joins_next: bool) -> BlendPiece {
         let feedrate = self.ends[0].max(self.ends[1]);
         let Blend { shortening, acceleration, .. } = *self;
-        BlendPiece { length, shortening, feedrate, acceleration, joins_next }
+        BlendPiece { length, shortening, feedrate, acceleration, joins_next, is_parabola: self.is_parabola() }
     }
 }
 
@@ -115,6 +118,8 @@ struct BlendPiece {
     acceleration: f64,
     /// `true` if the piece is run as one with the next.
     joins_next: bool,
+    /// `true` for a part of a parabola.
+    is_parabola: bool,
 }
 
 impl BlendPiece {
@@ -134,8 +139,14 @@ fn pieces(leg: &Leg, first: &Blend, last: &Blend) -> [BlendPiece; 3] {
     let end = last.distances[0].min(leg.length - begin);
     let acceleration = leg.acceleration * (1.0 - first.taken.max(last.taken));
     let length = leg.length - begin - end;
-    let mut line =
-        BlendPiece { length, shortening: 1.0, feedrate: leg.feedrate, acceleration, joins_next: false };
+    let mut line = BlendPiece {
+        length,
+        shortening: 1.0,
+        feedrate: leg.feedrate,
+        acceleration,
+        joins_next: false,
+        is_parabola: false,
+    };
     let is_circle = !last.is_parabola() && 0.0 < end;
     if is_circle && leg.is_line && line.length < MIN_LINE_DURATION_S * last.fastest {
         line.feedrate = line.feedrate.min(last.feedrate);
@@ -146,28 +157,32 @@ fn pieces(leg: &Leg, first: &Blend, last: &Blend) -> [BlendPiece; 3] {
 }
 
 /// Lowers the speeds (mm/s) at which lines and circles begin to those from which the motion can stop within
-/// the next `look_ahead` lines and circles.
+/// the next `look_ahead` lines and circles. The motion can always stop at the first parabola ahead.
 fn see_ahead(chain: &[BlendPiece], look_ahead: f64, speeds: &mut [f64]) {
     if look_ahead == f64::INFINITY {
         return;
     }
-    // The beginning of each piece in the chain, and the change of v² up to its end.
-    let (mut begins, mut braked) = (Vec::new(), vec![0.0]);
+    // The beginning of each piece in the chain, and the change of v² and the parabolas up to its end.
+    let (mut begins, mut braked, mut parabolas) = (Vec::new(), vec![0.0], vec![0]);
     let mut goes_on = false;
     for (i, piece) in chain.iter().enumerate().filter(|(_, piece)| 0.0 < piece.length) {
         let mut up_to: f64 = braked.last().copied().unwrap_or(0.0);
+        let passed = parabolas.last().copied().unwrap_or(0) + usize::from(piece.is_parabola);
         if goes_on {
             braked.pop();
+            parabolas.pop();
         } else {
             begins.push(i);
         }
         up_to += piece.braked();
         braked.push(up_to);
+        parabolas.push(passed);
         goes_on = piece.joins_next;
     }
     let seen = look_ahead as usize;
     for (k, &i) in begins.iter().enumerate().skip(1) {
-        if let Some(end) = braked.get(k + seen).filter(|end| k + seen < begins.len() && end.is_finite()) {
+        let is_limited = k + seen < begins.len() && parabolas[k] == parabolas[k + seen];
+        if let Some(end) = braked.get(k + seen).filter(|end| is_limited && end.is_finite()) {
             speeds[i] = speeds[i].min((end - braked[k]).max(0.0).sqrt());
         }
     }
@@ -252,6 +267,29 @@ mod tests {
         let (legs, corners) = line(5);
         let both = [f64::INFINITY, 5.0].map(|seen| pulses(&legs, &corners, seen, 0).1);
         assert_eq!(both[0], both[1]);
+    }
+
+    #[test]
+    fn the_motion_can_stop_at_a_parabola() {
+        let (legs, mut corners) = line(40);
+        for corner in &mut corners[1..40] {
+            // At one speed the parabola itself hardly accelerates.
+            *corner = Blend {
+                distances: [0.5; 2],
+                acceleration: 0.5,
+                parabola_within: Some(0.1),
+                ..Blend::none(20.0)
+            };
+        }
+        let both = [f64::INFINITY, 4.0].map(|seen| pulses(&legs, &corners, seen, 0).1);
+        assert_eq!(both[0], both[1]);
+        // Far from the only parabola the look-ahead still limits the motion.
+        for corner in &mut corners[2..40] {
+            *corner = Blend::none(f64::INFINITY);
+        }
+        let (_, seen) = pulses(&legs, &corners, 4.0, 0);
+        let fastest = seen.iter().copied().fold(0.0, f64::max);
+        assert!((fastest - (2.0f64 * 500.0 * 4.0).sqrt()).abs() < 1e-9, "{fastest}");
     }
 
     #[test]
