@@ -12,6 +12,8 @@ use truefeed::simulation::interpreter;
 use truefeed::simulation::toolpath::{self, Curve, Motion, PathMode, StopCause, Toolpath};
 use truefeed::units::mm_per_min;
 
+use crate::shared::corpus;
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -135,12 +137,12 @@ fn own_programs_give_what_is_expected() {
 }
 
 #[test]
-fn programs_of_others_are_traced() {
+fn recorded_programs_and_those_of_others_are_traced() {
     let shared = root().join("../shared");
     let iso = ["fanuc_haas", "linuxcnc", "camotics", "grbl", "mach3"];
     let folders = iso.map(|folder| shared.join("gcode").join(folder));
-    let recorded = ["nist-hurco/programs", "plant", "linuxcnc"];
-    let folders = folders.into_iter().chain(recorded.map(|folder| shared.join("recordings").join(folder)));
+    let recorded = ["plant", "linuxcnc"].map(|folder| corpus::recordings().join(folder));
+    let folders = folders.into_iter().chain(recorded).chain([shared.join("recordings/nist-hurco/programs")]);
     let is_program = |path: &PathBuf| {
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
         ["nc", "ngc", "gcode"].iter().any(|known| extension == *known)
