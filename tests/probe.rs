@@ -99,6 +99,7 @@ fn tolerance_and_filter() {
 }
 
 #[test]
+#[ignore = "full suite: diagnoses two probes; tolerance_and_filter does for another pair"]
 fn accelerations_of_an_axis_and_of_the_path() {
     separates(
         ("axis_acceleration_limit", "axis.x.acceleration_mm_s2", 700.0),
@@ -107,11 +108,13 @@ fn accelerations_of_an_axis_and_of_the_path() {
 }
 
 #[test]
+#[ignore = "full suite: diagnoses two probes; tolerance_and_filter does for another pair"]
 fn clock_and_override() {
     separates(("recorder_clock", "recorder.clock_ratio", 1.02), ("feed_override", "override.feed", 0.93));
 }
 
 #[test]
+#[ignore = "full suite: diagnoses two probes; tolerance_and_filter does for another pair"]
 fn tolerance_and_junction_rule() {
     separates(
         ("corner_tolerance", "interpolator.contour_tolerance_mm", 0.012),
@@ -120,6 +123,7 @@ fn tolerance_and_junction_rule() {
 }
 
 #[test]
+#[ignore = "full suite: diagnoses two probes; tolerance_and_filter does for another pair"]
 fn block_time_and_look_ahead() {
     separates(
         ("block_processing_time", "interpolator.block_time_s", 0.012),
@@ -134,7 +138,6 @@ fn play_beside_lag() {
 }
 
 #[test]
-#[ignore = "the diagnosis names axis_acceleration_limit on this program instead"]
 fn lag_beside_play() {
     names(["backlash", "servo_lag"], &[("servo_lag", "axis.x.servo_lag_s", 0.02)]);
 }

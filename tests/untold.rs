@@ -140,6 +140,7 @@ fn a_rapid_that_no_run_showed_is_taken_from_the_recording_and_is_no_cause() {
 }
 
 #[test]
+#[ignore = "full suite: calibrates and diagnoses a long run"]
 fn a_change_of_the_program_that_was_calibrated_on_is_found_all_the_same() {
     let machine = calibrated(&rows('Y'));
     let mut changed = truth();

@@ -7,7 +7,7 @@ import { join } from 'node:path'
 import { test } from 'node:test'
 import { servePlainPage, servePortal } from '../../examples/embedding/serve.mjs'
 import { openPage } from './harness.mjs'
-import { computed, pageTest, ROOT } from './steps.mjs'
+import { ROOT, computed, longTest, pageTest } from './steps.mjs'
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8')
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
@@ -89,7 +89,7 @@ pageTest('the page has no fault', async ({ page }) => {
   done()
 })
 
-pageTest('recording and diagnosis have no fault', async ({ page }) => {
+longTest('recording and diagnosis have no fault', async ({ page }) => {
   const { look, done } = looker(page)
   await page.click('#welcome .concealed')
   await computed(page)

@@ -2,7 +2,7 @@
 // scrolls, and the whole in small leads to every part.
 
 import assert from 'node:assert/strict'
-import { atEverySize, computed, frame, pageTest, shot, span } from './steps.mjs'
+import { atEverySize, computed, frame, longTest, pageTest, shot, span } from './steps.mjs'
 
 /** Programs of more than 2,000 blocks, of four kinds in five forms each. */
 function programs() {
@@ -67,7 +67,7 @@ const drawn = (page) =>
 
 const toggle = (page, index) => page.click(`#chart .curves button >> nth=${index + 1}`)
 
-pageTest('curves of twenty long programs are lines that can be traced and told apart', async ({ page }) => {
+longTest('curves of twenty long programs are lines that can be traced and told apart', async ({ page }) => {
   const all = programs()
   assert.equal(all.length, 20)
   await page.setInputFiles('#files', all)

@@ -6,7 +6,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
-import { atEverySize, drop, frame, kept, pageTest, ROOT } from './steps.mjs'
+import { ROOT, atEverySize, drop, frame, kept, longTest, pageTest } from './steps.mjs'
 
 const folder = mkdtempSync(join(tmpdir(), 'truefeed-diagnosis-'))
 after(() => rmSync(folder, { recursive: true }))
@@ -195,7 +195,7 @@ pageTest('names of files and machines, comments and columns carry no script, int
   assert.equal(dialogs, 0)
 })
 
-pageTest('a diagnosis of what was before is marked, until that is back or it is made again', async ({ page }) => {
+longTest('a diagnosis of what was before is marked, until that is back or it is made again', async ({ page }) => {
   const note = () => page.textContent('#diagnosis .outdated')
   const holds = () => page.isHidden('#diagnosis .outdated')
   await diagnoseSample(page)
@@ -273,7 +273,7 @@ pageTest('a recording that is refused says why, and is not diagnosed', async ({ 
   assert.equal(await page.textContent('#diagnosis .why'), 'standin.csv cannot be diagnosed, as it cannot be compared with its program.')
 })
 
-pageTest('the keyboard alone finds what is concealed', async ({ page }) => {
+longTest('the keyboard alone finds what is concealed', async ({ page }) => {
   const press = async (selector) => {
     for (let steps = 0; steps < 150; steps += 1) {
       if (await page.evaluate((wanted) => document.activeElement?.matches(wanted), selector)) break

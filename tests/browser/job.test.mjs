@@ -6,7 +6,7 @@ import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
 import { deflateRawSync } from 'node:zlib'
-import { ROOT, atEverySize, drop, pageTest, shot } from './steps.mjs'
+import { ROOT, atEverySize, drop, longTest, pageTest, shot } from './steps.mjs'
 
 const NAMES = ['bracket-10.nc', 'bracket-20.nc', 'bracket-30.nc']
 const PROGRAMS = NAMES.map((name) => join(ROOT, 'www/samples', name))
@@ -168,7 +168,7 @@ pageTest('an operation has a machine, a set-up and a loading of its own', async 
   assert.match(await page.textContent('#quote .lacking'), /set-up \(BRACKET OP10/)
 })
 
-pageTest('an operation has a tolerance of its own, which is taken back, saved and opened', async ({ page }) => {
+longTest('an operation has a tolerance of its own, which is taken back, saved and opened', async ({ page }) => {
   await drop(page, 'body', PROGRAMS)
   await ready(page)
   const total = () => page.textContent('#program .total')

@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
-import { computed, pageTest, reaching } from './steps.mjs'
+import { computed, longTest, pageTest, reaching } from './steps.mjs'
 
 const ready = (page) => page.waitForSelector('html[data-ready]')
 
@@ -57,7 +57,7 @@ pageTest('a link restores everything on another browser, and says what it holds'
   await context.close()
 })
 
-pageTest('settings of one’s own wait until they are wanted back', async ({ page }) => {
+longTest('settings of one’s own wait until they are wanted back', async ({ page }) => {
   await filled(page)
   const link = await copied(page)
   await page.click('#machine .reset')

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { join } from 'node:path'
-import { computed, frame, pageTest, predicted, ROOT, shot, span } from './steps.mjs'
+import { ROOT, computed, frame, longTest, pageTest, predicted, shot, span } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 const LINES = readFileSync(SAMPLE, 'utf8').split(/\r\n|\n|\r/)
@@ -250,7 +250,7 @@ pageTest('with a recording the path shows where time was lost', async ({ page })
   await page.locator('#path').screenshot({ path: join(ROOT, 'tests/browser/output/path-lost.png') })
 })
 
-pageTest('hundreds of thousands of blocks stay fluid', async ({ page }) => {
+longTest('hundreds of thousands of blocks stay fluid', async ({ page }) => {
   const blocks = 300_000
   const lines = ['G21 G90 G94', 'G0 X0 Y0 Z5', 'F3000']
   for (let i = 0; i < blocks; i += 1) {
@@ -314,7 +314,7 @@ pageTest('hundreds of thousands of blocks stay fluid', async ({ page }) => {
   assert.ok(least <= 1.01 * area && most <= 3.01e6, `pictures of ${least} to ${most} pixels on ${area} of the page`)
 })
 
-pageTest('the program is played: tool, clock, text and chart go together, and pause', async ({ page }) => {
+longTest('the program is played: tool, clock, text and chart go together, and pause', async ({ page }) => {
   await opened(page)
   const clock = () => page.textContent('#path .now')
   const seconds = async () => (await clock()).split(':').reduce((sum, part) => 60 * sum + Number(part), 0)

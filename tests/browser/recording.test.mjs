@@ -7,7 +7,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
-import { atEverySize, binary, drop, frame, machineOf, pageTest, shot } from './steps.mjs'
+import { atEverySize, binary, drop, frame, longTest, machineOf, pageTest, shot } from './steps.mjs'
 
 const folder = mkdtempSync(join(tmpdir(), 'truefeed-recording-'))
 after(() => rmSync(folder, { recursive: true }))
@@ -240,7 +240,7 @@ pageTest('the calibration brings the time constant back, by keyboard alone, and 
   assert.equal(await page.locator('#calibration .sentence').count(), 0)
 })
 
-pageTest('several recordings of two programs dropped at once are told apart, compared one by one and calibrate together', async ({ page }) => {
+longTest('several recordings of two programs dropped at once are told apart, compared one by one and calibrate together', async ({ page }) => {
   const all = [await recorded(page, 'bracket-11.csv'), await recorded(page, 'bracket-12.csv'), await recorded(page, 'other-3.csv', OTHER)]
   const [first, , third] = all.map(({ seconds }) => seconds)
   await drop(page, 'body', [all[2].path, PROGRAM, all[0].path, OTHER, all[1].path])
@@ -291,7 +291,7 @@ pageTest('several recordings of two programs dropped at once are told apart, com
   assert.ok(await isCurrent('bracket-11.csv'), 'what was chosen stays chosen')
 })
 
-pageTest('a recording finds its program by what it holds, whatever its name says, and one of none says so', async ({ page }) => {
+longTest('a recording finds its program by what it holds, whatever its name says, and one of none says so', async ({ page }) => {
   const [ofBracket, ofOther, ofNone] = [await recorded(page, 'other-5.csv'), await recorded(page, 'bracket-5.csv', OTHER), await recorded(page, 'bracket-6.csv', THIRD)]
   const standing = (name) => page.textContent(`#recording .pairs li:has-text("${name}") .about`)
   const of = (name) => page.$eval(`#recording .pairs li:has-text("${name}") select`, (select) => select.selectedOptions[0].textContent)

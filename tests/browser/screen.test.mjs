@@ -6,7 +6,7 @@ import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSy
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after, test } from 'node:test'
-import { atEverySize, computed, drop, frame, pageTest, ROOT, shot } from './steps.mjs'
+import { ROOT, atEverySize, computed, drop, frame, longTest, pageTest, shot } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 const STANDIN = join(ROOT, 'www/samples/standin.nc')
@@ -235,7 +235,7 @@ pageTest(
   { viewport: { width: 390, height: 844 } },
 )
 
-pageTest('the demo diagnoses by itself and ends at the diagnosis', async ({ page }) => {
+longTest('the demo diagnoses by itself and ends at the diagnosis', async ({ page }) => {
   await page.click('#welcome .concealed')
   await page.waitForFunction(() => /longer than simulated/.test(document.querySelector('#diagnosis .sentence').textContent), null, { timeout: 180_000 })
   assert.ok(await page.isVisible('#diagnosis .account'))

@@ -1,7 +1,7 @@
 // A long program is simulated by several workers side by side: what the page shows is what one worker would say.
 
 import assert from 'node:assert/strict'
-import { computed, cycleTimes, pageTest, shot, workersEnded } from './steps.mjs'
+import { computed, cycleTimes, longTest, pageTest, shot, workersEnded } from './steps.mjs'
 
 /** Lines enough for several workers. */
 const LONG = 90_000
@@ -132,7 +132,7 @@ pageTest('runs are bit for bit the same whoever computes them, and lost with nob
   for (const said of compared) assert.deepEqual(said, { programs: 1, columns: 4, isSame: true, isForward: true })
 })
 
-pageTest('cancelling ends all workers, and the next run has all results', async ({ page }) => {
+longTest('cancelling ends all workers, and the next run has all results', async ({ page }) => {
   await count(page)
   await cores(page, 2)
   await page.setInputFiles('#files', program(4 * LONG))
@@ -146,7 +146,7 @@ pageTest('cancelling ends all workers, and the next run has all results', async 
   assert.ok((await cycleTimes(page)).every((time) => time > 0))
 })
 
-pageTest('a further worker that dies loses nothing', async ({ page }) => {
+longTest('a further worker that dies loses nothing', async ({ page }) => {
   await cores(page, 1)
   const times = await timesOf(page)
   await page.click('#program .remove')

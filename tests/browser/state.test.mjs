@@ -4,7 +4,7 @@ import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { join } from 'node:path'
 import ts from 'typescript'
-import { computed, pageTest, ROOT } from './steps.mjs'
+import { ROOT, computed, longTest, pageTest } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 const STANDIN = join(ROOT, 'www/samples/standin.nc')
@@ -54,7 +54,7 @@ pageTest('how a program is read, the tolerance that is quoted and the machines t
   assert.deepEqual(await kept(), ['Mill 3'])
 })
 
-pageTest('which program a recording is of, and whether it is used, are taken back', async ({ page }) => {
+longTest('which program a recording is of, and whether it is used, are taken back', async ({ page }) => {
   await page.setInputFiles('#files', [SAMPLE, STANDIN, join(ROOT, 'www/samples/standin.csv')])
   await page.waitForFunction(() => document.querySelector('#recording .pairs select')?.selectedOptions[0]?.textContent === 'standin.nc', null, { timeout: 120_000 })
   const of = () => page.$eval('#recording .pairs select', (select) => select.selectedOptions[0].textContent)
@@ -69,7 +69,7 @@ pageTest('which program a recording is of, and whether it is used, are taken bac
   assert.ok(await page.isChecked('#recording .use input'))
 })
 
-pageTest('what was computed of a program goes with it', async ({ page }) => {
+longTest('what was computed of a program goes with it', async ({ page }) => {
   const lines = ['G21 G90 G94', 'F3000', ...Array.from({ length: 60_000 }, (_, i) => `G1 X${(i * 0.1).toFixed(3)} Y${(i % 7) * 0.2}`)]
   const devtools = await page.context().newCDPSession(page)
   /** Bytes in the columns of runs on the page; the browser finds no arrays, but the tables that hold runs. */

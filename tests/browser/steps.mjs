@@ -42,6 +42,9 @@ export function pageTest(name, body, { viewport, skip = false, isLong = false, o
   })
 }
 
+/** A page test that runs in the full suite only. @type {typeof pageTest} */
+export const longTest = (name, body, options) => pageTest(name, body, { ...options, isLong: true })
+
 /** Notes on a line, which `scripts/test` collects, that a check cannot run here. @param {string} reason  what is missing, and what would provide it */
 export function skipped(reason) {
   console.log(`skipped: ${reason}`)
@@ -135,10 +138,11 @@ export const cycleTimes = (page) => page.$$eval('#tolerances tbody tr:not(.progr
 /** @type {string | undefined} */
 let built
 
-/** The command line, of the sources as they are: built as the native tests build it, which takes no time after them. */
+/** The command line, of the sources as they are: the one that `TRUEFEED_COMMAND` names, which `scripts/test` has built, or a new one. */
 export function binary() {
   if (built) return built
   assertModulesAreCurrent()
+  if (process.env.TRUEFEED_COMMAND) return (built = process.env.TRUEFEED_COMMAND)
   execFileSync('cargo', ['build', '--quiet', '--locked', '--bin', 'truefeed', '--profile', 'test'], { cwd: ROOT, stdio: 'inherit' })
   built = join(ROOT, 'target/debug/truefeed')
   return built

@@ -2,7 +2,7 @@
 // computes; and where the browser keeps nothing, it does as well.
 
 import assert from 'node:assert/strict'
-import { computed, pageTest } from './steps.mjs'
+import { computed, longTest, pageTest } from './steps.mjs'
 
 const PROGRAM = { name: 'part.nc', mimeType: 'text/plain', buffer: Buffer.from('G21 G90 G94\nG1 X10 F600\nY10\nX0\nM30\n') }
 
@@ -27,7 +27,7 @@ parts.push('{"values":{"__proto__":1,"constructor":2}}', '{"__proto__":{"toleran
 /** What a machine that was kept may look like. */
 const machines = ['[{"name":"x"}]', '[{"name":"x","rapid.feed_mm_min":{"a":1},"toString":2,"no.such.key":3}]', '[{"name":""},null,5,[],"x"]']
 
-pageTest('whatever stands in the storage, the page starts and computes', async ({ page, errors }) => {
+longTest('whatever stands in the storage, the page starts and computes', async ({ page, errors }) => {
   const keys = ['truefeed.settings.1', 'truefeed.settings.before.1', 'truefeed.machines.1', 'truefeed.tab']
   /** What stands under each key, for one start each. */
   const poisons = [...SHAPES.map((text) => [text, text, text, text]), ...parts.map((text) => [text, text, '[]', 'x'.repeat(100_000)]), ...machines.map((text) => ['{}', 'null', text, '__proto__'])]

@@ -51,6 +51,7 @@ fn a_pace_that_swings_with_the_clock_is_said_and_not_named() {
 }
 
 #[test]
+#[ignore = "full suite: a diagnosis for each of several machines"]
 fn the_answer_follows_the_axis_and_the_strength() {
     for axis in [0, 1] {
         let (id, variant, value, _) = named(&[&limited(axis)]);
@@ -239,6 +240,7 @@ fn first(diagnosis: &Diagnosis) -> (Verdict, Vec<&str>) {
 /// Within half the delay of the filters, 30 ms, two blocks are seen or two are processed. On lines of one length that is
 /// one cap, and where such a chain ends is no place to tell them apart by.
 #[test]
+#[ignore = "full suite: a diagnosis for each of several machines"]
 fn look_ahead_and_block_time_are_one_where_all_lines_are_as_long() {
     let (equal, unequal) = (circles(8.0, &[0.4]), circles(8.0, &[0.25, 0.5, 0.35, 0.6]));
     let look_ahead = |machine: &mut Machine| machine.interpolator.look_ahead = 2.0;
