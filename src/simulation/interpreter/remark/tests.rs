@@ -74,7 +74,7 @@ fn turns_of_a_helix_by_l_are_run_and_told() {
     let zero = run(Dialect::Iso, "G21 F600\nG0 X10\nG2 X10 Y0 I-10 K0 Z-3 L1\nG18 G2 X0 I-5 K0 Z-3");
     assert_eq!(lines_of(&zero, "turns").len() + lines_of(&zero, "has no meaning").len(), 0);
     let bad = run(Dialect::Iso, "G21 F600\nG0 X10\nG2 X10 Y0 I-10 Z-3 L2.5");
-    assert_eq!(lines_of(&bad, "L2.5 is no number of turns"), [3]);
+    assert_eq!(lines_of(&bad, "L2.5 is not a number of turns"), [3]);
 }
 
 #[test]
