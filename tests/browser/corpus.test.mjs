@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict'
 import { existsSync, readdirSync } from 'node:fs'
 import { basename, join } from 'node:path'
-import { assertAsPredicted, computed, pageTest, ROOT } from './steps.mjs'
+import { ROOT, assertAsPredicted, computed, longTest } from './steps.mjs'
 
 const SHARED = join(ROOT, '../shared')
 const FOLDERS = ['fanuc_haas', 'linuxcnc', 'camotics', 'grbl', 'mach3'].map((folder) => join(SHARED, 'gcode', folder))
@@ -14,7 +14,7 @@ const programs = FOLDERS.filter(existsSync).flatMap((folder) => readdirSync(fold
 /** A subprogram that stands on the arguments of its caller: all of it is remarks. */
 const WITHOUT_MOTION = ['gcode__3003.nc']
 
-pageTest(
+longTest(
   'every ISO program gives curves and the times of the command line',
   async ({ page }) => {
     await page.setInputFiles('#files', programs)
@@ -29,5 +29,5 @@ pageTest(
       }
     }
   },
-  { isLong: true, skip: programs.length > 0 ? false : `no programs of others in ${SHARED}/gcode; the recorded corpus (docs/fuzzing.md) provides them` },
+  { skip: programs.length > 0 ? false : `no programs of others in ${SHARED}/gcode; the recorded corpus (docs/fuzzing.md) provides them` },
 )

@@ -5,14 +5,17 @@ import assert from 'node:assert/strict'
 import { join } from 'node:path'
 import { findFirefox, openInFirefox } from './firefox.mjs'
 import { openPage } from './harness.mjs'
-import { ROOT, cycleTimes, computed, drop, frame, pageTest, pixelsOfCurves } from './steps.mjs'
+import { ROOT, computed, cycleTimes, drop, frame, longTest, pageTest, pixelsOfCurves } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 const RECORDED = ['standin.nc', 'standin.csv'].map((name) => join(ROOT, 'www/samples', name))
 const missing = findFirefox() ? false : 'no Firefox 143 or newer here; scripts/setup test installs it where apt has it as firefox-esr'
 
-/** A test on a page of its own in Firefox. @param {string} name @param {(opened: Awaited<ReturnType<typeof openInFirefox>>) => Promise<void>} body @param {{ isLong?: boolean }} [options] */
-const firefoxTest = (name, body, { isLong } = {}) => pageTest(name, body, { skip: missing, isLong, open: () => openInFirefox() })
+const IN_FIREFOX = { skip: missing, open: () => openInFirefox() }
+/** A test on a page of its own in Firefox. @param {string} name @param {Parameters<typeof pageTest>[1]} body */
+const firefoxTest = (name, body) => pageTest(name, body, IN_FIREFOX)
+/** A test in Firefox that runs in the full suite only. @param {string} name @param {Parameters<typeof pageTest>[1]} body */
+const longFirefoxTest = (name, body) => longTest(name, body, IN_FIREFOX)
 
 /** Colours that are on a canvas. */
 const colours = (page, selector) =>
@@ -67,33 +70,29 @@ firefoxTest('Firefox: a program dropped has its times, curves, path and price, w
   await page.waitForFunction((before) => document.querySelector('#quote .headline b')?.textContent === before, price)
 })
 
-firefoxTest(
-  'Firefox: a job is kept, opened, kept again and computed from its files',
-  async ({ page }) => {
-    const total = () => page.textContent('#program .total')
-    const ready = () => page.waitForFunction(() => /\d:\d\d/.test(document.querySelector('#program .total')?.textContent) && document.querySelector('#progress').hidden, null, { timeout: 120_000 })
-    await page.click('#welcome .sample-job')
-    await ready()
-    const before = await total()
-    await page.click('[popovertarget="jobs"]')
-    await page.click('#jobs button.main')
-    await page.waitForSelector('#jobs .kept b')
-    await page.click('#jobs button:has-text("New job")')
-    await page.click('#jobs .kept button >> nth=0')
-    await ready()
-    await page.click('[popovertarget="jobs"]')
-    await page.click('#jobs button.main')
-    await page.waitForFunction(() => /is kept/.test(document.querySelector('#jobs').textContent))
-    await page.keyboard.press('Escape')
-    // Another machine computes from the files again.
-    await page.selectOption('#preset', { index: 2 })
-    await page.waitForFunction((before) => document.querySelector('#program .total').textContent !== before && /\d:\d\d/.test(document.querySelector('#program .total').textContent), before, {
-      timeout: 120_000,
-    })
-    assert.ok(await page.isHidden('#failure'))
-  },
-  { isLong: true },
-)
+longFirefoxTest('Firefox: a job is kept, opened, kept again and computed from its files', async ({ page }) => {
+  const total = () => page.textContent('#program .total')
+  const ready = () => page.waitForFunction(() => /\d:\d\d/.test(document.querySelector('#program .total')?.textContent) && document.querySelector('#progress').hidden, null, { timeout: 120_000 })
+  await page.click('#welcome .sample-job')
+  await ready()
+  const before = await total()
+  await page.click('[popovertarget="jobs"]')
+  await page.click('#jobs button.main')
+  await page.waitForSelector('#jobs .kept b')
+  await page.click('#jobs button:has-text("New job")')
+  await page.click('#jobs .kept button >> nth=0')
+  await ready()
+  await page.click('[popovertarget="jobs"]')
+  await page.click('#jobs button.main')
+  await page.waitForFunction(() => /is kept/.test(document.querySelector('#jobs').textContent))
+  await page.keyboard.press('Escape')
+  // Another machine computes from the files again.
+  await page.selectOption('#preset', { index: 2 })
+  await page.waitForFunction((before) => document.querySelector('#program .total').textContent !== before && /\d:\d\d/.test(document.querySelector('#program .total').textContent), before, {
+    timeout: 120_000,
+  })
+  assert.ok(await page.isHidden('#failure'))
+})
 
 firefoxTest('Firefox: a recording is compared with the program it is of', async ({ page }) => {
   await drop(page, 'body', [SAMPLE, ...RECORDED])

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict'
 import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs'
 import { join } from 'node:path'
-import { ROOT, computed, drop, frame, pageTest } from './steps.mjs'
+import { ROOT, computed, drop, frame, longTest } from './steps.mjs'
 
 const KEPT = join(ROOT, 'tests/browser/looks')
 const PROGRAMS = ['10', '20', '30'].map((number) => join(ROOT, `www/samples/bracket-${number}.nc`))
@@ -71,17 +71,13 @@ async function looksAsKept(page, name) {
   }
 }
 
-pageTest('an empty page looks as it was kept', ({ page }) => looksAsKept(page, 'empty'), { isLong: true })
+longTest('an empty page looks as it was kept', ({ page }) => looksAsKept(page, 'empty'))
 
-pageTest(
-  'a job with its price looks as it was kept',
-  async ({ page }) => {
-    await drop(page, 'body', PROGRAMS)
-    await computed(page)
-    await page.fill('#term-rates-hourly', '85')
-    await page.waitForFunction(() => document.querySelector('#quote .headline')?.textContent.includes('€'))
-    await page.evaluate(() => document.activeElement?.blur())
-    await looksAsKept(page, 'job')
-  },
-  { isLong: true },
-)
+longTest('a job with its price looks as it was kept', async ({ page }) => {
+  await drop(page, 'body', PROGRAMS)
+  await computed(page)
+  await page.fill('#term-rates-hourly', '85')
+  await page.waitForFunction(() => document.querySelector('#quote .headline')?.textContent.includes('€'))
+  await page.evaluate(() => document.activeElement?.blur())
+  await looksAsKept(page, 'job')
+})

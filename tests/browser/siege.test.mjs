@@ -1,7 +1,7 @@
 // Siege of the page: workers that die, reloads in mid-work, hostile files. What the user had stays.
 
 import assert from 'node:assert/strict'
-import { computed, cycleTimes, kept, pageTest } from './steps.mjs'
+import { computed, cycleTimes, kept, longTest, pageTest } from './steps.mjs'
 
 const field = (key) => `#field-${key.replaceAll('.', '-')}`
 const names = (page) => page.$$eval('#program .file', (all) => all.map((name) => name.textContent))
@@ -159,18 +159,14 @@ pageTest('hostile files leave a page that works', async ({ page }) => {
   assert.ok(await page.isHidden('#failure'))
 })
 
-pageTest(
-  'a loop that runs to its bound is quoted and drawn, and the chart says what its curve leaves out',
-  async ({ page }) => {
-    const note = '#chart .note'
-    await page.setInputFiles('#files', longProgram('ordinary.nc', 500))
-    await computed(page)
-    assert.equal(await page.textContent(note), '')
-    const endless = 'o1 repeat [100000]\no2 repeat [100000]\nG91 G1 X1 F1000\nY1\nX-1\nY-1\no2 endrepeat\no1 endrepeat\nM2\n'
-    await page.setInputFiles('#files', { name: 'endless.ngc', mimeType: 'text/plain', buffer: Buffer.from(endless) })
-    await page.waitForFunction((note) => document.querySelector(note)?.textContent, note, { timeout: 250_000 })
-    assert.match(await page.textContent(note), /one point every 0\.\d+ s/)
-    assert.ok(await page.isHidden('#failure'))
-  },
-  { isLong: true },
-)
+longTest('a loop that runs to its bound is quoted and drawn, and the chart says what its curve leaves out', async ({ page }) => {
+  const note = '#chart .note'
+  await page.setInputFiles('#files', longProgram('ordinary.nc', 500))
+  await computed(page)
+  assert.equal(await page.textContent(note), '')
+  const endless = 'o1 repeat [100000]\no2 repeat [100000]\nG91 G1 X1 F1000\nY1\nX-1\nY-1\no2 endrepeat\no1 endrepeat\nM2\n'
+  await page.setInputFiles('#files', { name: 'endless.ngc', mimeType: 'text/plain', buffer: Buffer.from(endless) })
+  await page.waitForFunction((note) => document.querySelector(note)?.textContent, note, { timeout: 250_000 })
+  assert.match(await page.textContent(note), /one point every 0\.\d+ s/)
+  assert.ok(await page.isHidden('#failure'))
+})
