@@ -24,14 +24,12 @@
 //! v² ≤ Σ 2 A s   over k, k+1, …, k+N−1          N look-ahead; where the rest-to-rest motion ends earlier, up to its end
 //! ```
 //!
-//! A parabola among these pieces lifts this limit: the planner has each leg before a parabola brake to a stop at its
-//! own end, so the motion can stop there.
-//!
 //! A parabola is the part of the motion in which the first leg brakes while the second already speeds up. Its
-//! path speed changes from the first value to the last with one acceleration.
+//! path speed changes from the first value to the last with one acceleration. The first leg would come to a
+//! stop at its own end, so the motion can always stop at a parabola, and one among these pieces lifts the limit.
 //!
 //! Limits: if a circle takes different lengths of the two legs, κ is the same for both. Source: derived; the
-//! division, the gap of four periods and the look-ahead (`tpRunOptimization`) are those of LinuxCNC
+//! division, the gap of four periods and the look-ahead (`tpRunOptimization`) are LinuxCNC's
 //! (src/emc/tp, tp.c and blendmath.c).
 
 use crate::simulation::feed::Pulse;
@@ -129,6 +127,15 @@ impl BlendPiece {
     }
 }
 
+/// Sums over the pieces from the start of a chain.
+#[derive(Clone, Copy, Default)]
+struct ChainSum {
+    /// Largest change of v², mm²/s².
+    braked: f64,
+    /// Number of parts of parabolas.
+    parabolas: usize,
+}
+
 /// Duration (s) below which a line between two circles becomes part of the second: the time in which the
 /// largest speed of that circle covers the line.
 const MIN_LINE_DURATION_S: f64 = 4e-3;
@@ -162,29 +169,30 @@ fn see_ahead(chain: &[BlendPiece], look_ahead: f64, speeds: &mut [f64]) {
     if look_ahead == f64::INFINITY {
         return;
     }
-    // The beginning of each piece in the chain, and the change of v² and the parabolas up to its end.
-    let (mut begins, mut braked, mut parabolas) = (Vec::new(), vec![0.0], vec![0]);
+    // The beginning of each piece in the chain, and the sums up to its end.
+    let (mut begins, mut sums) = (Vec::new(), vec![ChainSum::default()]);
     let mut goes_on = false;
     for (i, piece) in chain.iter().enumerate().filter(|(_, piece)| 0.0 < piece.length) {
-        let mut up_to: f64 = braked.last().copied().unwrap_or(0.0);
-        let passed = parabolas.last().copied().unwrap_or(0) + usize::from(piece.is_parabola);
+        let before = sums.last().copied().unwrap_or_default();
         if goes_on {
-            braked.pop();
-            parabolas.pop();
+            sums.pop();
         } else {
             begins.push(i);
         }
-        up_to += piece.braked();
-        braked.push(up_to);
-        parabolas.push(passed);
+        sums.push(ChainSum {
+            braked: before.braked + piece.braked(),
+            parabolas: before.parabolas + usize::from(piece.is_parabola),
+        });
         goes_on = piece.joins_next;
     }
     let seen = look_ahead as usize;
     for (k, &i) in begins.iter().enumerate().skip(1) {
-        let is_limited = k + seen < begins.len() && parabolas[k] == parabolas[k + seen];
-        if let Some(end) = braked.get(k + seen).filter(|end| is_limited && end.is_finite()) {
-            speeds[i] = speeds[i].min((end - braked[k]).max(0.0).sqrt());
+        let is_end_seen = begins.len() <= k + seen;
+        if is_end_seen || sums[k].parabolas < sums[k + seen].parabolas || sums[k + seen].braked.is_infinite()
+        {
+            continue;
         }
+        speeds[i] = speeds[i].min((sums[k + seen].braked - sums[k].braked).max(0.0).sqrt());
     }
 }
 
