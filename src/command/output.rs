@@ -137,7 +137,7 @@ pub fn prepared(place: &Path, content: &[u8]) -> std::io::Result<NamedTempFile> 
 fn beside(place: &Path) -> std::io::Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(".truefeed-").suffix(".part").append(true);
-    // The mode is that of any new file; the default of temporary files would restrict reading to the owner.
+    // The file gets the mode of any new file; temporary files by default are readable only by the owner.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder_of(place))

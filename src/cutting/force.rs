@@ -226,7 +226,7 @@ impl Rotor {
         sectors.iter().map(top).fold(0.0, f64::max)
     }
 
-    /// Returns the excess of the radius of a tooth over that of each tooth before it, the nearest first, mm,
+    /// Returns the excess of the radius of a tooth over the radius of each tooth before it, the nearest first, mm,
     /// at a height where the edge lies `back` (rad) behind its tip.
     fn leads(&self, tooth: u32, back: f64) -> Vec<f64> {
         let pitch = TAU / f64::from(self.teeth);

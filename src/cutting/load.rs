@@ -6,8 +6,8 @@
 //! Q = V v / L          removal rate from the volume V removed over a stretch of length L
 //! ```
 //!
-//! The loads of one engagement are computed for any number of feedrates per place: the programmed one and
-//! that of the profile. Lengths in mm, times in s, forces in N, torques in N·mm, power in N·mm/s.
+//! The loads of one engagement are computed for any number of feedrates per place: the programmed
+//! feedrate and the profile's. Lengths in mm, times in s, forces in N, torques in N·mm, power in N·mm/s.
 
 use std::f64::consts::TAU;
 
@@ -55,7 +55,7 @@ pub struct Peak {
 /// The demands of an operation on tool and spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OperationLoad {
-    /// Volume removed, including that of rapids, mm³.
+    /// Volume removed, including by rapids, mm³.
     pub removed: f64,
     /// Largest force, N.
     pub force: Peak,
@@ -275,7 +275,7 @@ fn limit_met<'a>(
     loads.map(met).enumerate().find_map(|(step, met)| Some((step, met?)))
 }
 
-/// Returns the spindle speed on a segment, rpm: that of the program, or else of the set-up.
+/// Returns the spindle speed on a segment, rpm: the program's, or else the set-up's.
 fn spindle_speed(toolpath: &Toolpath, setup: &Setup, segment: usize) -> Option<f64> {
     let before = toolpath.spins.partition_point(|(first, _)| *first <= segment);
     let programmed = before.checked_sub(1).map(|last| toolpath.spins[last].1.speed);

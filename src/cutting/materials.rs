@@ -63,7 +63,7 @@ const fn row(
     Material { word, name, coefficients: Coefficients { cutting, edge }, source, is_checked }
 }
 
-/// The materials by keyword; the first is that of the paper.
+/// The materials by keyword; the first is the paper's.
 pub const MATERIALS: [Material; 6] = [
     row("al7075", "aluminium 7075-T6", [767.01, 168.8, 222.0], [27.7, 26.6, 0.7], review!("190"), true),
     row(

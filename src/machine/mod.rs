@@ -402,8 +402,8 @@ impl Machine {
         }
     }
 
-    /// Returns the largest rapid feedrate in any direction, mm/s: if axes have rapid feedrates, that of a
-    /// move on which all axes reach theirs.
+    /// Returns the largest rapid feedrate in any direction, mm/s: if axes have rapid feedrates, the
+    /// feedrate of a move on which all axes reach theirs.
     pub fn fastest_rapid(&self) -> f64 {
         let squares = self.axes.iter().map(|axis| axis.rapid * axis.rapid);
         self.rapid.feedrate.min(squares.sum::<f64>().sqrt())
@@ -429,7 +429,7 @@ impl Machine {
     }
 }
 
-/// A machine without any optional effect; the five numbers that a machine file must give are those of the
+/// A machine without any optional effect; the five numbers that a machine file must give come from the
 /// first preset.
 impl Default for Machine {
     fn default() -> Machine {

@@ -132,8 +132,8 @@ pub(in crate::machine) const TOLERANCE_BOUNDS_MM: (f64, f64) = (1e-6, 10.0);
 /// A row of the table whose parameter is one field of the machine: key, label, access, sentence on its effect.
 ///
 /// `extent` is the extent of some values, `optional` a field that may be missing, `limit` a field that is
-/// infinite when neutral, and `value` a field with the neutral value behind `or`. Unit and bounds are those
-/// of files and forms.
+/// infinite when neutral, and `value` a field with the neutral value behind `or`. Unit and bounds are as in
+/// files and forms.
 macro_rules! row {
     ($key:expr, $label:expr, optional $unit:ident $bounds:tt [$($field:tt)+], $doc:expr) => {
         row!($key, $label, $unit $bounds, |m| m.$($field)+, |m, v| m.$($field)+ = v, $doc)

@@ -23,7 +23,7 @@ pub(crate) fn programmed_width(chart: &FeedChart) -> f64 {
     if chart.lost.is_some() { PROGRAMMED_WIDTH_BESIDE_RECORDING_PT } else { PROGRAMMED_WIDTH_PT }
 }
 
-/// Opacity of the bands of all other curves together, as a ratio to that of the curve on top.
+/// Opacity of the bands of all other curves together, as a ratio to the opacity of the curve on top.
 const OTHER_BANDS_OPACITY: f64 = 0.8;
 /// Factor on the opacity of the area below a band.
 const BELOW_BAND_OPACITY: f64 = 0.4;

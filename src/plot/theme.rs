@@ -30,7 +30,7 @@ pub struct Theme {
 pub const PALETTE_SIZE: usize = 6;
 
 impl Theme {
-    /// Dark on white. The curves' colours are those of Okabe and Ito, which people with any kind of colour
+    /// Dark on white. The curves have the colours of Okabe and Ito, which people with any kind of colour
     /// vision can distinguish.
     pub const LIGHT: Theme = Theme {
         background: RGBColor(255, 255, 255),

@@ -5,8 +5,8 @@
 //! MACHINE = "name of a preset" | "text of a machine file" | {"preset": "name", "key": value, …}
 //! ```
 //!
-//! Tolerances are in mm; null, or an empty list, means the tolerances of the program. Keys and units of a
-//! machine are those of its file ([`PARAMETERS`](crate::machine::PARAMETERS)); they replace values of the
+//! Tolerances are in mm; null, or an empty list, means the tolerances of the program. A machine has the
+//! keys and units of its file ([`PARAMETERS`](crate::machine::PARAMETERS)); they replace values of the
 //! preset if the request names one. Only `machine` is required.
 
 use serde::{Deserialize, Serialize};

@@ -8,7 +8,7 @@
 //! price of n parts = (1 + k) O + n (1 + k) P
 //! ```
 //!
-//! where c is the cycle time, with one addend per kind of time; the other symbols are those of the terms. A
+//! where c is the cycle time, with one addend per kind of time; the terms define the other symbols. A
 //! margin m of the price gives k = m / (1 − m), a margin on cost k = m. Every addend is rounded to a whole
 //! number of steps of the currency. Sums are therefore exact, and the price of one part, (1 + k) (P + O / n),
 //! falls strictly with n if O > 0. Amounts of one whole (the kinds of a cycle, its operations) are rounded as

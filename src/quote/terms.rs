@@ -44,7 +44,7 @@ pub struct Terms {
     pub currency: String,
     /// Step to which amounts are rounded.
     pub rounding: Rounding,
-    /// Uncertainty of the cycle time as a part of it; `None`: that of the machine.
+    /// Uncertainty of the cycle time as a part of it; `None`: the machine's.
     pub uncertainty: Option<f64>,
 }
 

@@ -17,7 +17,7 @@
 //! A feed is faster if it moves an axis faster than any move of the runs, feed or rapid: if the runs recorded
 //! positions, an axis can cut as fast as it moved in rapid. A rapid is faster if an axis whose full rapid
 //! rate no run showed travels a distance w (mm) that is long enough to exceed V (mm/s), its highest velocity
-//! in the runs, or half of that of the fastest axis if larger. The rapid rate of the axis may be as low as V,
+//! in the runs, or half the velocity of the fastest axis if larger. The rapid rate of the axis may be as low as V,
 //! so that with its acceleration A (mm/s²)
 //!
 //! ```text
@@ -117,7 +117,7 @@ pub fn features_of<'a>(toolpaths: impl IntoIterator<Item = &'a Toolpath>) -> Cal
 /// Largest relative difference between travels that identify one program.
 const EQUAL_TRAVEL_RATIO: f64 = 1e-4;
 
-/// Returns `true` if one of these travels, along the path and in each axis, equals that of the program.
+/// Returns `true` if one of these travels, along the path and in each axis, equals the program's travel.
 fn is_among(travels: &[[f64; 4]], toolpath: &Toolpath) -> bool {
     let own = travel(toolpath);
     let apart = EQUAL_TRAVEL_RATIO * own[0];

@@ -2,7 +2,7 @@
 //!
 //! The command is planned as in [`feed`](crate::simulation::feed), corrected until its path keeps the contour
 //! tolerance if the corner mode requires that, and scaled in time if acceleration limits act behind the
-//! filters. A plan from this module is complete: its times are those of the machine.
+//! filters. A plan from this module is complete: its times are the machine's.
 
 use crate::machine::{CornerMode, Machine};
 use crate::simulation::contour::{ContourErrors, contour_errors, guaranteed};
@@ -10,8 +10,8 @@ use crate::simulation::feed::{CornerPolicy, FeedPlan, Tolerances, command};
 use crate::simulation::profile::{Profile, time_scaled};
 use crate::simulation::toolpath::Toolpath;
 
-/// Returns the plan of a program on a machine, at the tolerances of the program, or at that of the machine
-/// where the program sets none.
+/// Returns the plan of a program on a machine, at the program's tolerances, or at the machine's where the
+/// program sets none.
 ///
 /// # Examples
 ///

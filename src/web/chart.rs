@@ -163,14 +163,14 @@ impl Chart {
         self.chart.curves.push(FeedrateCurve { label, tolerances, ..FeedrateCurve::default() });
     }
 
-    /// Fills the curve added last; the columns are those of `Columns`.
+    /// Fills the curve added last; the columns come from `Columns`.
     pub fn fill(&mut self, distance: Vec<f64>, feedrate: Vec<f64>, time: Vec<f64>) {
         if let Some(curve) = self.chart.curves.last_mut() {
             *curve = FeedrateCurve { distance, feedrate: feedrate.into(), time, ..std::mem::take(curve) };
         }
     }
 
-    /// Adds contour errors to the curve added last; the columns are those of `Columns`.
+    /// Adds contour errors to the curve added last; the columns come from `Columns`.
     #[wasm_bindgen(js_name = fillErrors)]
     pub fn fill_errors(&mut self, corner: Vec<f64>, arcs: Vec<u32>, along_arcs: Vec<f64>) {
         if let Some(curve) = self.chart.curves.last_mut() {

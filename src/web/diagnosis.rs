@@ -106,8 +106,8 @@ impl RunCollection {
     }
 }
 
-/// Returns the cycle time (s) of a program on the machine of a filled form, at the tolerances of the program,
-/// or that of the machine where the program sets none; throws the faults of the form.
+/// Returns the cycle time (s) of a program on the machine of a filled form, at the program's tolerances,
+/// or the machine's where the program sets none; throws the faults of the form.
 #[wasm_bindgen(js_name = cycleTime)]
 pub fn cycle_time(program: &[u8], machine: &str, dialect: Option<String>) -> Result<f64, String> {
     let machine = machine_from_form(machine)

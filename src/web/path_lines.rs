@@ -41,8 +41,8 @@ impl PathView {
 }
 
 /// Returns the value of the column `of` at the place where the ascending `column` has the value `value`,
-/// linear between two rows. The columns are not copied, because those of a long program take most of the
-/// memory.
+/// linear between two rows. The columns are not copied, because the columns of a long program take
+/// most of the memory.
 #[wasm_bindgen]
 pub fn between(column: &Float64Array, of: &Float64Array, value: f64) -> f64 {
     let (mut low, mut high) = (0, column.length().saturating_sub(1));

@@ -68,8 +68,8 @@ pub struct ComparisonColumns {
     pub lost_seconds: Vec<f64>,
 }
 
-/// Compares a recording with the simulation of a program on the machine of a filled form, at the tolerances
-/// of the program, or that of the machine where the program sets none; throws the form's faults as JSON.
+/// Compares a recording with the simulation of a program on the machine of a filled form, at the program's
+/// tolerances, or the machine's where the program sets none; throws the form's faults as JSON.
 #[wasm_bindgen(js_name = compareRecording)]
 pub fn compare_recording(
     program: &[u8],

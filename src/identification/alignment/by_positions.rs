@@ -1,7 +1,7 @@
 //! A recording with positions → its alignment.
 //!
-//! Positions may be in machine coordinates. If all of them are off the path, and their extent equals that of
-//! the path, the difference is taken as the zero point and reported. Marks are evenly spaced in time while
+//! Positions may be in machine coordinates. If all of them are off the path, and their extent equals the
+//! extent of the path, the difference is taken as the zero point and reported. Marks are evenly spaced in time while
 //! the tool moves. Near a corner the tool cuts off a part of the path, and the projection of its position
 //! jumps over that part: at most by 2 (1 − cos φ) times the deviation at the corner, where φ is the turn. The
 //! jump is added to the uncertainty of the marks near the corner. The deviation is the distance at which the
@@ -126,8 +126,7 @@ fn within(
     let path = Path::new(toolpath, recorded);
     let mut remarks = Vec::new();
     let mut settled = recording.clone();
-    // The length of a partial recording does not match that of the path, so that only a missing unit is
-    // determined by it.
+    // A partial recording is shorter than the path, so that its length decides only a missing unit.
     match check_unit_by(Measure::Positions, recording, path.recorded_length()) {
         Ok(closure) => settled = settled.settled(&closure),
         Err(error) if is_of_units(&error) => return Err(error.into()),

@@ -32,7 +32,7 @@ pub struct FeedMatch {
     pub fixes: Vec<Fix>,
     /// Typical time between samples, s.
     pub interval: f64,
-    /// Number of stops found, as a part of those of the program.
+    /// Number of stops found, as a part of the program's stops.
     pub found: f64,
 }
 

@@ -255,7 +255,7 @@ pub enum AlignmentError {
         /// The longest stretch that is too fast.
         worst: TooFast,
     },
-    /// Recorded lengths of lines are not those of the program.
+    /// Recorded lengths of lines differ from the program's.
     #[error(
         "for {:.0} % of the cutting lines, recorded feed and time give another length than the program: this is a recording of another program", 100.0 * part
     )]

@@ -14,7 +14,7 @@ use crate::identification::alignment::path::Path;
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Point, Vector};
 
-/// Cosine of the turn below which a bend is a corner: that of 25°.
+/// Cosine of the turn below which a bend is a corner: cos 25°.
 const MIN_TURN_COSINE: f64 = 0.906;
 /// Least cosine between directions that agree: 14°.
 const MIN_DIRECTION_COSINE: f64 = 0.97;

@@ -11,8 +11,8 @@
 //! difference of the cycle times exactly, whatever the start offset. A stop is waiting; if its line also
 //! moves, the lost time of the whole visit counts as waiting.
 //!
-//! Feedrates are compared over distance, on feed moves only, as the RMS weighted by distance; those of a
-//! polled log of lines as means over some polls, because the log resolves no shorter distance. Positions are
+//! Feedrates are compared over distance, on feed moves only, as the RMS weighted by distance; feedrates
+//! of a polled log of lines as means over some polls, because the log resolves no shorter distance. Positions are
 //! compared at equal places: the time of the simulated position is shifted by r, averaged over a quarter of a
 //! second on either side, so that the difference is the deviation of the path without the time lost.
 

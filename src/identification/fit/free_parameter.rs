@@ -27,7 +27,7 @@ pub enum VariationScale {
 /// The exactness with which a machine can have a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exactness {
-    /// As exactly as the law of the model agrees with that of the control.
+    /// As exactly as the model's law agrees with the control's.
     Law,
     /// A time that the control counts in cycles.
     Cycles,
@@ -158,7 +158,7 @@ impl FreeParameter {
 
     /// Returns the least standard deviation of a value, core units, however exactly the runs determine it: a
     /// control counts times in cycles that the machine file does not contain, and no law of the model is
-    /// exactly that of the control. Switches and clocks are exact.
+    /// exactly the control's. Switches and clocks are exact.
     pub fn floor(&self, value: f64) -> f64 {
         match self.exactness {
             Exactness::Cycles | Exactness::Wait => INTERPOLATION_CYCLE_S / 12f64.sqrt(),

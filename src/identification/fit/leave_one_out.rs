@@ -40,7 +40,7 @@ impl HeldOutBlock {
 }
 
 /// Returns every section of every run, in the order of the runs, at the values fitted to all other sections.
-/// The initial values are those fitted to all sections.
+/// The initial values come from a fit to all sections.
 pub fn held_out_blocks(
     machine: &Machine,
     runs: &[Run],

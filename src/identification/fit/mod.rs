@@ -7,8 +7,8 @@
 //! ```
 //!
 //! over the whitened residuals ν of `whitened`. Beyond c the cost grows only linearly, so that an unexplained
-//! wait does not distort the other values (Huber 1964). The method is that of Levenberg and Marquardt with
-//! difference quotients; a parameter at its bound is fixed.
+//! wait does not distort the other values (Huber 1964). The fit uses Levenberg and Marquardt's method
+//! with difference quotients; a parameter at its bound is fixed.
 //!
 //! Uncertainties are computed in `uncertainty`: neighbouring residuals may be correlated, and more samples of
 //! the same motion add no certainty.

@@ -35,7 +35,7 @@ const MIN_INFORMATION_SHARE: f64 = 0.5;
 /// Least information on an optimiser's coordinate that counts.
 const MIN_INFORMATION: f64 = 1e-9;
 
-/// Returns the ratio of the variance of sums of whitened residuals over blocks to that of independent
+/// Returns the ratio of the variance of sums of whitened residuals over blocks to the variance of independent
 /// residuals, at the block length at which the ratio is largest; at least 1.
 pub fn dispersion(whitened: &[Vec<f64>]) -> f64 {
     let of = |blocks: usize| {

@@ -17,7 +17,7 @@
 //! sections: the time lost in each of `SECTIONS_PER_RUN` equal parts of the run's time, over its standard
 //! deviation by the same process.
 //!
-//! q is chosen so that the median of |ν| is that of a standard normal variable; outliers then have no
+//! q is chosen so that |ν| has the median of a standard normal variable; outliers then have no
 //! influence.
 
 use crate::identification::alignment::{Alignment, median};
@@ -97,8 +97,8 @@ impl Whitening {
         }
     }
 
-    /// Returns the normalised innovations of residuals, one per mark, 0 at the first, followed by those of
-    /// the sections.
+    /// Returns the normalised innovations of residuals, one per mark, 0 at the first, followed by the
+    /// innovations of the sections.
     pub fn apply(&self, residuals: &[f64]) -> Vec<f64> {
         let mut state = 0.0;
         let whiten = |(residual, (gain, scale)): (&f64, &(f64, f64))| {

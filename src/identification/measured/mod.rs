@@ -24,7 +24,7 @@
 //!
 //! F is the programmed feedrate, and ρ the ratio of the run's plateaus to it, which contains an override over
 //! the whole run. If a dip by an override, a hold or a neighbouring stop keeps a block below ρ F, its corners
-//! count among those of short blocks, whose law is a lower bound. A corner, an arc or a block passed at ρ F
+//! count among corners of short blocks, whose law is a lower bound. A corner, an arc or a block passed at ρ F
 //! does not show its law.
 //!
 //! Events of similar abscissa form a point: mean, standard deviation, count. The curve through the points is

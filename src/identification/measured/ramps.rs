@@ -59,8 +59,8 @@ pub fn rapids(course: &RunCourse) -> LawEvents {
     found
 }
 
-/// Returns the largest feedrate of a segment, mm/s: the programmed one, or in rapid that of its fastest
-/// window.
+/// Returns the largest feedrate of a segment, mm/s: the programmed one, or in rapid the feedrate of its
+/// fastest window.
 fn speed_of(course: &RunCourse, segment: usize) -> Option<f64> {
     let mean = || {
         let (begin, end) = (course.distances[segment], course.distances[segment + 1]);

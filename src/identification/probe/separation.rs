@@ -27,7 +27,7 @@ const POSITION_NOISE_MM: f64 = 2e-3;
 const PROCESS_NOISE: f64 = 1e-3;
 /// Points of a curve between two trials.
 const POINTS_BETWEEN_TRIALS: usize = 3;
-/// Least distance by which a visible cause moves the point on the whole bank, in standard deviations.
+/// Least distance by which a visible cause moves the point of all snippets together, in standard deviations.
 const MIN_VISIBLE_SIGMAS: f64 = 3.0;
 
 /// A snippet on the assumed machine, with the marks at which other machines are compared.

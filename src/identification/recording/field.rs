@@ -2,7 +2,7 @@
 //!
 //! A unit in brackets or at the end is removed from the name first. The rest is divided into words at
 //! everything that is not a letter or digit and where capitals begin, so that `act_pos_x`, `ActPosX` and `X
-//! actual position [mm]` have the same meaning. The words are those of controls, of MTConnect and of the
+//! actual position [mm]` have the same meaning. The words come from controls, from MTConnect and from the
 //! people who write exports, in English and German. Names of Okuma's and Hurco's MTConnect adapters,
 //! Heidenhain's scope (`x_s_actual`: s position, v speed) and Siemens' recorders (`DES_POS|1`) are recognised
 //! as a whole.

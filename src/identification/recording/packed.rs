@@ -95,8 +95,8 @@ fn only_file(bytes: &[u8]) -> Result<Cow<'_, [u8]>, RecordingError> {
     }
 }
 
-/// Returns all files of a ZIP archive with their names, including their folders. Their total size is limited
-/// to that of one packed log.
+/// Returns all files of a ZIP archive with their names, including their folders. Their total size is at most
+/// the largest size of one packed log.
 ///
 /// # Errors
 ///

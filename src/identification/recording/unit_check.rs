@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The factor of a stated unit must be 1 within [`MAX_LENGTH_DIFFERENCE_RATIO`]; without a stated unit it
-//! must be that of a candidate. If another known factor fits, the error names it as the likely mistake.
+//! must match a candidate's. If another known factor fits, the error names it as the likely mistake.
 //! Factors differ by at least a factor of 1.5, so that no two of them fit.
 //!
 //! Both lengths must belong to one motion. If the machine also moves home and to its tool changer, which is
@@ -104,7 +104,7 @@ pub enum UnitCheckError {
 ///
 /// # Errors
 ///
-/// Returns an error if neither was recorded, or if the length differs from that of the path.
+/// Returns an error if neither was recorded, or if the length differs from the length of the path.
 pub fn check_unit(recording: &Recording, path: f64) -> Result<UnitCheck, UnitCheckError> {
     let has_feed = recording.feed.is_some() || recording.commanded_feed.is_some();
     check_unit_by(if has_feed { Measure::Feed } else { Measure::Positions }, recording, path)
@@ -114,7 +114,7 @@ pub fn check_unit(recording: &Recording, path: f64) -> Result<UnitCheck, UnitChe
 ///
 /// # Errors
 ///
-/// Returns an error if the quantity was not recorded, or if the length differs from that of the path.
+/// Returns an error if the quantity was not recorded, or if the length differs from the length of the path.
 pub fn check_unit_by(
     measure: Measure,
     recording: &Recording,
@@ -145,7 +145,7 @@ pub fn check_unit_by(
 ///
 /// # Errors
 ///
-/// Returns an error if no feed was recorded, or if the length differs from that of the path.
+/// Returns an error if no feed was recorded, or if the length differs from the length of the path.
 pub fn check_unit_on_lines(
     recording: &Recording,
     path: f64,

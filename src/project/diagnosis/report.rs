@@ -51,7 +51,7 @@ pub struct DiagnosisReport {
     pub(super) messages: Vec<String>,
     /// Machine with its causes as a filled form; null if nothing is compared.
     pub(super) values: Option<Map<String, Value>>,
-    /// Differences between the form of that machine and that of the machine before.
+    /// Differences of the form between this machine and the machine before.
     pub(super) changes: Vec<FieldChange>,
     /// Names of the recordings, in the order of `run`.
     pub(super) runs: Vec<String>,

@@ -61,7 +61,7 @@ pub fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow], balance: &RoundedAcc
     }
 }
 
-/// Returns a clause on the duration of the runs and that of the simulation.
+/// Returns a clause on the durations of the runs and of the simulation.
 fn took(balance: &RoundedAccount, runs: usize) -> String {
     let who = if runs == 1 { "The run took".to_string() } else { format!("The {runs} runs together took") };
     let longer = balance.recorded - balance.simulated;

@@ -1,6 +1,6 @@
 //! Two revisions of a program → their differences in lines, path and time.
 //!
-//! The time of a line is that of its moves and stops; the times of all lines add up to the cycle time. The
+//! The time of a line is the time of its moves and stops; the times of all lines add up to the cycle time. The
 //! filter delay of a rest-to-rest motion belongs half to its first line and half to its last. A line that
 //! both revisions have may differ in time: because of a feedrate set before it, or on another machine.
 
@@ -152,8 +152,8 @@ fn places(toolpath: &Toolpath, lines: usize) -> Vec<Option<(f64, f64)>> {
 }
 
 /// Returns the delay of the second revision against the first along the path of the second: distances (mm)
-/// and delays (s). The extra time of a line is spread over its moves, that of replaced lines over all of
-/// their moves; the delay of lines without moves appears at the next move.
+/// and delays (s). The extra time of a line is spread over its moves, and the extra time of replaced lines over all
+/// of their moves; the delay of lines without moves appears at the next move.
 fn delay_curve(
     toolpath: &Toolpath,
     runs: &[RevisedLines],

@@ -12,7 +12,7 @@
 //! ```
 //!
 //! The filtered path is therefore sampled every D/24. Each sample follows the segments commanded within the
-//! last D, and its distance is that from the nearest of them.
+//! last D; its distance is the distance from the nearest of them.
 //!
 //! Limits: between two samples the path may stray a little farther, by the height of an arc over D/24: on 2
 //! of 40,000 hostile paths by more than 1 part in 10,000 of the tolerance, and on these by 5 parts.

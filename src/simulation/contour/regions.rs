@@ -1,7 +1,7 @@
 //! Contour errors → regions: parts of the program in which the contour error exceeds its bound.
 //!
 //! Consecutive segments whose error is above their bound form one region. Good segments between them do not
-//! end the region as long as their total length is less than that of the last run of bad segments: a ragged
+//! end the region as long as they are shorter in total than the last run of bad segments: a ragged
 //! pass is one region instead of a hundred, while separate bad passes are separate regions.
 
 use crate::simulation::contour::ContourErrors;

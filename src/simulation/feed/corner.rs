@@ -24,11 +24,11 @@
 //! corrected.
 //!
 //! If the feedrates of the legs differ, each leg holds c for h (1 − c/F) with its own F, and c is the smaller
-//! of the two values that the law gives: the pulses on both sides then keep the tolerance. The smaller value
-//! is nearly always that of the slower leg, because c hardly depends on F. Near the feedrate at which a
-//! corner needs no slowing it can be that of the faster leg.
+//! of the two values that the law gives: the pulses on both sides then keep the tolerance. The slower leg
+//! nearly always gives the smaller value, because c hardly depends on F. Near the feedrate at which a
+//! corner needs no slowing, the faster leg can give it.
 //!
-//! The F of a hold is that of the leg without the limit that the tolerance sets on arcs. On such an arc the
+//! The F of a hold is the leg's feedrate without the limit that the tolerance sets on arcs. On such an arc the
 //! hold is then a little longer than published. If the hold grew with the arc's own limit, a wider tolerance
 //! could make an arc among many short segments slower.
 //!

@@ -50,7 +50,7 @@
 //! corner, and its legs still lose a tenth of their acceleration. After G61.1 the motion stops at every
 //! corner, and the legs keep their whole acceleration.
 //!
-//! Limits: between two arcs the circle is that of their tangents. Source: LinuxCNC 2.9, src/emc/tp
+//! Limits: between two arcs the circle touches their tangents. Source: LinuxCNC 2.9, src/emc/tp
 //! (blendmath.c: blendComputeParameters, blendParamKinematics; tp.c: tpSetupTangent, tpComputeBlendVelocity,
 //! tpChooseBestBlend), and recordings of it.
 

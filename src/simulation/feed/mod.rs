@@ -140,8 +140,7 @@ pub struct FeedPlan {
 pub enum CornerPolicy<'a> {
     /// By the laws of [`corner`] and [`limits`] for this contour tolerance, mm.
     Isolated(f64),
-    /// By the same laws for the tolerances of the program, and for that of the machine where the program sets
-    /// none.
+    /// By the same laws for the program's tolerances, and for the machine's where the program sets none.
     Programmed,
     /// By given feedrates, mm/s, one entry per segment; every other limit still applies.
     Given {

@@ -30,8 +30,8 @@
 //! If that is less than the distance set for the machine, the corner does not slow the motion.
 //!
 //! Limits: with [`CornerMode::Guaranteed`](crate::machine::CornerMode) nothing is corrected inside a chain,
-//! and corners that a curve passes are kept within the tolerance like all others. Length and curvature are
-//! those of the program, not of the curve. Source: LinuxCNC, naive CAM detector (src/emc/task/emccanon.cc).
+//! and corners that a curve passes are kept within the tolerance like all others. Length and curvature refer
+//! to the program, not to the curve. Source: LinuxCNC, naive CAM detector (src/emc/task/emccanon.cc).
 
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::Tolerances;

@@ -3,10 +3,10 @@
 //! Controls that merge short lines, or run arcs as chords, do not run the segments that the program has. A
 //! segment of the substitute, of length l, covers a part of length S of the program, which may begin and end
 //! within segments of it. The substitute is planned by itself, and its plan is transferred to the program
-//! with distances and feedrates multiplied by S/l: the time is that of the substitute, each block has a share
-//! of it in proportion to its length, and distances are those of the program.
+//! with distances and feedrates multiplied by S/l: the substitute gives the time, each block has a share of it
+//! in proportion to its length, and distances refer to the program.
 //!
-//! Limits: positions are those of the program; the machine's differ from them by as much as the substitute
+//! Limits: positions refer to the program; the machine's differ from them by as much as the substitute
 //! leaves the path of the program.
 
 use crate::machine::SpindleState;
@@ -104,7 +104,7 @@ impl Substitute {
     }
 
     /// Returns the given feedrates of corners and segments (mm/s) for the substitute: along a chain the
-    /// smallest of its segments, and at its end that of the corner there. `None` if the policy gives no
+    /// smallest of its segments, and at its end the feedrate of the corner there. `None` if the policy gives no
     /// feedrates.
     fn given(&self, policy: CornerPolicy) -> Option<(Vec<f64>, Vec<f64>)> {
         let CornerPolicy::Given { corners, segments } = policy else { return None };

@@ -87,7 +87,7 @@ pub struct ToleranceBound {
     pub along: f64,
     /// At the corner that ends the segment.
     pub corner: f64,
-    /// On arcs near that corner: the tolerance of the arc, or that of the corner if larger.
+    /// On arcs near that corner: the larger of the tolerances of arc and corner.
     pub near: f64,
 }
 

@@ -4,12 +4,12 @@
 //! [`Profile::samples`] makes tables for charts and files, dense where the feedrate bends.
 //!
 //! If acceleration limits act behind the filters, the machine runs the filtered motion more slowly, as in
-//! `time_scaling`: times of [`Profile`] and its tables are true times, those of [`FilteredMotion`] filtered
-//! times.
+//! `time_scaling`: times of [`Profile`] and its tables are true times, times of [`FilteredMotion`] are
+//! filtered times.
 //!
 //! Distance is measured along the programmed path, as the integral of the filtered feed command. It never
-//! decreases and ends at the programmed length, although the tool cuts corners; the feedrate is that of the
-//! tool, ‖Ṗ‖, which dips at corners.
+//! decreases and ends at the programmed length, although the tool cuts corners; the feedrate is the speed
+//! of the tool, ‖Ṗ‖, which dips at corners.
 
 mod crossing;
 mod moments;

@@ -16,8 +16,8 @@
 //!
 //! must hold at both samples. At the second it is solved for v², which stays below A_k/|N_k|, where turning
 //! uses the whole acceleration of an axis. A ramp therefore begins as round as the filters make it, continues
-//! straight, and ends where it meets the filtered motion; without filters it would be a trapezoid. The path,
-//! and with it the contour error, is that of the filters.
+//! straight, and ends where it meets the filtered motion; without filters it would be a trapezoid. The filters
+//! alone decide the path, and with it the contour error.
 //!
 //! Samples lie a 48th of the filter delay apart, closer where one of the filters is short, while the filtered
 //! motion changes, and nowhere else. Where the filtered motion is constant the ramps are straight, and their

@@ -10,7 +10,7 @@
 //!   "Footer":  … }
 //! ```
 //!
-//! The signal CYCLE, or else a first number in addition to the listed signals, counts cycles. Time is that
+//! The signal CYCLE, or else a first number in addition to the listed signals, counts cycles. Time is the
 //! count times the cycle time, which is [`DEFAULT_CYCLE_TIME_S`] if the header does not give it. DES_POS|n is
 //! the setpoint after fine interpolation and ENC_POS|n the encoder (also ENC1_POS, ENC2_POS) of axis n in mm;
 //! axes 1 to 3 are X, Y, Z if the header does not name them. Block events give line, block and tool on

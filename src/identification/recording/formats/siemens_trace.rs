@@ -9,7 +9,7 @@
 //! ```
 //!
 //! `time` is in s. A record contains only the signals sampled at its moment, so that every signal has its own
-//! stamps. The name of a record's attribute is the `id` of a `dataSignal`, whose `key` is that of a `signal`;
+//! stamps. The name of a record's attribute is the `id` of a `dataSignal`, whose `key` also names a `signal`;
 //! the order of either is meaningless. Without `dataSignal`s, `fN` is the N-th signal. A signal is identified
 //! by its description, or else by its name; units are rarely given: mm or inch, by the basic system of the
 //! machine. Truth values become 0 and 1.

@@ -76,7 +76,7 @@ pub struct JobOperationFile {
     pub program: String,
     /// Text of the program, if the job contains it.
     pub text: Option<String>,
-    /// Name; if empty, that of the program.
+    /// Name; if empty, the program's.
     pub name: String,
     /// Machine.
     pub machine: MachineSource,
