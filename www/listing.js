@@ -25,6 +25,8 @@ export function mountListing(root, { chosen, pointed }) {
   let selected = 0
   let hovered = 0
   let frame = 0
+  /** The rows in the page, by line. @type {Map<number, HTMLElement>} */
+  const rows = new Map()
 
   const height = () => Math.min(count * ROW, HIGHEST)
   /** How many pixels of all lines a pixel of the scroll bar stands for. */
@@ -39,9 +41,8 @@ export function mountListing(root, { chosen, pointed }) {
       const top = root.scrollTop * stretch()
       const first = Math.max(Math.floor(top / ROW) - MARGIN, 0)
       const last = Math.min(Math.ceil((top + root.clientHeight) / ROW) + MARGIN, count)
-      const rows = []
-      for (let index = first; index < last; index += 1) rows.push(row(index + 1, root.scrollTop + index * ROW - top))
-      whole.replaceChildren(...rows)
+      for (const [line, own] of rows) if (line <= first || last < line) rows.delete(line) && own.remove()
+      for (let line = first + 1, before = null; line <= last; line += 1) before = draw(line, root.scrollTop + (line - 1) * ROW - top, before)
       if (first < selected && selected <= last) root.setAttribute('aria-activedescendant', `program-line-${selected}`)
       else root.removeAttribute('aria-activedescendant')
     })
@@ -55,16 +56,28 @@ export function mountListing(root, { chosen, pointed }) {
     return text ?? ''
   }
 
-  /** @param {number} line @param {number} top */
-  function row(line, top) {
-    const number = make('span', { className: 'number' }, String(line))
-    const element = make('div', { id: `program-line-${line}`, className: line === hovered ? 'pointed' : '' }, number, textOf(line))
-    element.setAttribute('role', 'option')
+  /** Draws a line in the row that it has: a row that is replaced while it is pressed gets no click. @param {number} line @param {number} top @param {HTMLElement | null} before  the row above it */
+  function draw(line, top, before) {
+    const element = rows.get(line) ?? row(line, before)
     element.setAttribute('aria-selected', String(line === selected))
+    element.style.top = `${top}px`
+    const text = textOf(line)
+    const written = /** @type {Text} */ (element.lastChild)
+    if (written.data !== text) written.data = text
+    return element
+  }
+
+  /** @param {number} line @param {HTMLElement | null} before */
+  function row(line, before) {
+    const number = make('span', { className: 'number' }, String(line))
+    const element = make('div', { id: `program-line-${line}`, className: line === hovered ? 'pointed' : '' }, number, document.createTextNode(''))
+    element.setAttribute('role', 'option')
     element.setAttribute('aria-setsize', String(count))
     element.setAttribute('aria-posinset', String(line))
     element.dataset.line = String(line)
-    element.style.top = `${top}px`
+    if (before) before.after(element)
+    else whole.prepend(element)
+    rows.set(line, element)
     return element
   }
 
@@ -132,6 +145,8 @@ export function mountListing(root, { chosen, pointed }) {
     async fill(now) {
       lines = now
       selected = hovered = count = 0
+      rows.clear()
+      whole.replaceChildren()
       root.scrollTop = 0
       const all = await now.count()
       if (lines !== now) return

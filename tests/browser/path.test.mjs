@@ -139,6 +139,19 @@ pageTest('a place leads to its spot, its line and its stretch of the charts', as
   await page.locator('#path').screenshot({ path: join(ROOT, 'tests/browser/output/path-place.png') })
 })
 
+pageTest('a line is selected although its row is drawn anew while the button is down', async ({ page }) => {
+  await opened(page)
+  await page.locator('#path .listing').scrollIntoViewIfNeeded()
+  const { x, y } = await page.locator('#path [data-line="3"]').boundingBox()
+  await page.mouse.move(x + 20, y + 9)
+  await page.mouse.down()
+  await page.$eval('#path .listing', (listing) => listing.dispatchEvent(new Event('scroll')))
+  await frame(page)
+  await page.mouse.up()
+  await frame(page)
+  assert.equal(await selectedLine(page), 3)
+})
+
 pageTest('path, text and charts have one cursor', async ({ page }) => {
   await opened(page)
   const box = await page.locator('#path .space').boundingBox()
