@@ -57,6 +57,9 @@ async function looksAsKept(page, name) {
       await page.emulateMedia({ colorScheme, reducedMotion: 'reduce' })
       await page.evaluate(() => scrollTo(0, 0))
       await frame(page)
+      // A picture has another source at another width and in the other theme, which takes a moment.
+      await page.waitForFunction(() => [...document.images].every((image) => image.complete || !image.checkVisibility()))
+      await frame(page)
       const path = join(KEPT, `${name}-${width}-${colorScheme}.webp`)
       const kept = existsSync(path) ? readFileSync(path).toString('base64') : null
       const { webp, others } = await compared(page, await page.screenshot(), kept)
