@@ -7,7 +7,8 @@
 //!   feedrate r_k, and diagonals are faster than single axes. LinuxCNC clamps the programmed feedrate to the
 //!   axes before the override multiplies it (emccanon.cc), so that an override of 80 % also slows a move that
 //!   an axis limits; grbl and Klipper clamp the product;
-//! - V_k / |u_k|: no axis k above its velocity limit; on an arc with the largest |u_k| on it;
+//! - V_k / |u_k|: no axis k above its velocity limit; on an arc with the largest |u_k| on it. LinuxCNC limits an
+//!   arc to the V_k of the slower axis of its plane, however short the arc (emccanon.cc);
 //! - L Ω_k / |Δ_k|: no rotary axis k, which turns by Δ_k (rad) along the segment of length L, above its limit
 //!   Ω_k (rad/s);
 //! - √(24 ε / (ΣTi² κ)): on an arc of curvature κ and radius r the filtered path runs inside the arc by v²
@@ -27,7 +28,7 @@
 //! (s), A acceleration limit along the path (mm/s²). Source: Ward et al. 2021 with its errata;
 //! the limits are those that controls document.
 
-use crate::machine::Machine;
+use crate::machine::{Axis, Machine};
 use crate::simulation::filter::FilterChain;
 use crate::simulation::toolpath::{Arc, Curve, Motion, Segment, Vector};
 
@@ -91,7 +92,13 @@ pub fn axis_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     }
     let share = largest_share(segment);
     let limits = machine.axes.iter().enumerate().map(|(k, axis)| axis.velocity / share[k]);
-    limits.fold(f64::INFINITY, f64::min)
+    let in_plane = match &segment.curve {
+        Curve::Arc(arc) if machine.interpolator.junction.blends_in_time() => {
+            weaker_of_plane(arc, machine, |axis| axis.velocity) / turning_share(arc, segment.length)
+        }
+        _ => f64::INFINITY,
+    };
+    limits.fold(in_plane, f64::min)
 }
 
 /// Returns the feedrate at which no rotary axis exceeds its limit, mm/s.
@@ -153,10 +160,21 @@ pub fn acceleration(segment: &Segment, machine: &Machine) -> f64 {
 /// Returns the acceleration limit along a segment if corners are blends, mm/s²: on an arc, that of the weaker
 /// axis of its plane, however short the arc.
 pub fn blended_acceleration(segment: &Segment, machine: &Machine) -> f64 {
-    let Curve::Arc(arc) = &segment.curve else { return acceleration(segment, machine) };
+    let along = acceleration(segment, machine);
+    let Curve::Arc(arc) = &segment.curve else { return along };
+    along.min(weaker_of_plane(arc, machine, |axis| axis.acceleration))
+}
+
+/// Returns the limit of the weaker axis of an arc's plane.
+fn weaker_of_plane(arc: &Arc, machine: &Machine, limit: fn(&Axis) -> f64) -> f64 {
     let in_plane = |k: usize| MIN_PLANE_COMPONENT < arc.e1[k].hypot(arc.e2[k]);
     let axes = machine.axes.iter().enumerate().filter(|(k, _)| in_plane(*k));
-    axes.map(|(_, axis)| axis.acceleration).fold(acceleration(segment, machine), f64::min)
+    axes.map(|(_, axis)| limit(axis)).fold(f64::INFINITY, f64::min)
+}
+
+/// Returns the part of the speed along a helix of `length` (mm) that turns, at most 1.
+fn turning_share(arc: &Arc, length: f64) -> f64 {
+    arc.mean_radius() * arc.sweep / length
 }
 
 /// Returns the feedrate from which the motion stops within `visible` mm, mm/s.
@@ -186,7 +204,7 @@ pub fn largest_share(segment: &Segment) -> Vector {
     match &segment.curve {
         Curve::Line => segment.tangent(0.0).abs(),
         Curve::Arc(arc) => {
-            let turning = arc.mean_radius() * arc.sweep / segment.length;
+            let turning = turning_share(arc, segment.length);
             Vector::from_fn(|k, _| {
                 let rise = arc.rise[k] / segment.length;
                 turning * largest_on_arc(arc.e2[k], -arc.e1[k], arc.sweep) + rise.abs()
@@ -201,4 +219,48 @@ fn largest_on_arc(a: f64, b: f64, sweep: f64) -> f64 {
     let turning = b.atan2(a).rem_euclid(std::f64::consts::PI);
     let inside = if turning <= sweep { a.hypot(b) } else { 0.0 };
     inside.max(value(0.0)).max(value(sweep))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::Junction;
+    use crate::simulation::gcode::LineNumber;
+    use crate::simulation::toolpath::plane::{Plane, Turn};
+    use crate::simulation::toolpath::{Point, Rotation};
+
+    /// An arc of 60° about Z that moves along Y where it begins.
+    fn arc(rise: f64) -> Segment {
+        let (start, angle) = (Point::new(10.0, 0.0, 0.0), std::f64::consts::FRAC_PI_3);
+        let end = Point::new(10.0 * angle.cos(), 10.0 * angle.sin(), rise);
+        let arc = Plane::Xy.arc((start, end), Point::origin(), Turn::Counterclockwise, 1).expect("a circle");
+        Segment {
+            start,
+            end,
+            length: arc.length(),
+            curve: Curve::Arc(std::sync::Arc::new(arc)),
+            motion: Motion::Feed { feedrate: 100.0 },
+            rotation: Rotation::NONE,
+            exact_stop: false,
+            exact_path: false,
+            line: LineNumber(1),
+        }
+    }
+
+    #[test]
+    fn linuxcnc_runs_an_arc_as_fast_as_the_slower_axis_of_its_plane() {
+        let mut machine = Machine::default();
+        (machine.axes[0].velocity, machine.axes[1].velocity) = (20.0, 50.0);
+        let at_its_end = 20.0 / std::f64::consts::FRAC_PI_3.sin();
+        assert!((axis_feedrate(&arc(0.0), &machine) - at_its_end).abs() < 1e-9);
+        machine.interpolator.junction = Junction::AccelerationBlend;
+        assert!((axis_feedrate(&arc(0.0), &machine) - 20.0).abs() < 1e-9);
+        // A helix advances at the same speed in its plane.
+        let helix = arc(5.0);
+        let in_plane = 10.0 * std::f64::consts::FRAC_PI_3;
+        assert!((axis_feedrate(&helix, &machine) - 20.0 * helix.length / in_plane).abs() < 1e-9);
+        // The axis across it sets no limit to an arc without a rise.
+        machine.axes[2].velocity = 1.0;
+        assert!((axis_feedrate(&arc(0.0), &machine) - 20.0).abs() < 1e-9);
+    }
 }
