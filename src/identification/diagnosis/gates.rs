@@ -82,8 +82,13 @@ pub fn held_out(
     };
     let own =
         after.first().filter(|cause| cause.hypothesis.is_continuous).map_or(0, |cause| cause.values.len());
+    let (before, after) = (left_out(before), left_out(after));
+    // What a neighbour knows of a cause that acts in one section is too little to hold the section against it.
+    if 0 < own && after.iter().any(|section| (0..own).all(|value| !section.is_known(value))) {
+        return None;
+    }
     let mut held = HeldOut { better: 0, worse: 0, gain: 0.0 };
-    for (before, after) in left_out(before).iter().zip(&left_out(after)) {
+    for (before, after) in before.iter().zip(&after) {
         let acts = own == 0 || after.shares[..own].iter().any(|share| MIN_INFORMATION_SHARE < *share);
         if !acts || !(0..own).all(|value| after.is_known(value)) {
             continue;
@@ -132,11 +137,12 @@ const PLC_CYCLE_S: f64 = 0.02;
 const MAX_CHANCE: f64 = 3.0;
 
 /// Returns `true` if waits at a word differ from the machine file by more than chance: each by `each`, all of the runs
-/// together by `all` (s). A word waits for the next cycle of the PLC, and its answer for one more, each anywhere within
-/// a cycle T: one wait has the standard deviation T √(2/12), and the mean of n waits differs from the mean of the n
-/// waits behind the machine file by √(2/n) times that, T/√(3 n). With `all` = n `each`, `each` is compared with it.
-pub fn is_beyond_chance(each: f64, all: f64) -> bool {
-    MAX_CHANCE * PLC_CYCLE_S / 3f64.sqrt() < (each * all).abs().sqrt()
+/// together by `all` (s). A word waits for the next cycle of the PLC, and its answer for one more, each anywhere within a
+/// cycle T: a wait for `words` words (w) has the standard deviation T √(2 w/12), and the mean of n waits differs from the
+/// mean of the n waits behind the machine file by √(2/n) times that, T √(w/(3 n)). With `all` = n `each`, `each` is
+/// compared with it.
+pub fn is_beyond_chance(each: f64, all: f64, words: usize) -> bool {
+    MAX_CHANCE * PLC_CYCLE_S * (words as f64 / 3.0).sqrt() < (each * all).abs().sqrt()
 }
 
 /// Number of shifts at which the trace of a cause is tried.
@@ -170,8 +176,10 @@ mod tests {
     #[test]
     fn many_short_waits_are_beyond_chance_where_one_is_not() {
         // As long as a cycle for the word and one for its answer take at most.
-        assert!(!is_beyond_chance(0.03, 0.03) && is_beyond_chance(0.04, 0.04));
-        assert!(!is_beyond_chance(0.0235, 2.0 * 0.0235));
-        assert!(is_beyond_chance(0.0235, 4.0 * 0.0235) && is_beyond_chance(-0.0235, -4.0 * 0.0235));
+        assert!(!is_beyond_chance(0.03, 0.03, 1) && is_beyond_chance(0.04, 0.04, 1));
+        assert!(!is_beyond_chance(0.0235, 2.0 * 0.0235, 1));
+        assert!(is_beyond_chance(0.0235, 4.0 * 0.0235, 1) && is_beyond_chance(-0.0235, -4.0 * 0.0235, 1));
+        // T, M6 and M3 in a row.
+        assert!(!is_beyond_chance(0.059, 0.059, 3) && is_beyond_chance(0.061, 0.061, 3));
     }
 }

@@ -29,8 +29,7 @@ use crate::identification::diagnosis::speeds::Speeds;
 use crate::identification::diagnosis::verdict::MAX_REMAINING_PART;
 use crate::identification::diagnosis::{Candidate, Evidence, MIN_LOST_TIME_S, gates, places, regions, rests};
 use crate::identification::effects::{
-    FEED_HOLD, FEED_OVERRIDE, Hypothesis, Nature, RECORDER_CLOCK, SPINDLE_WAIT, Trace, UNEQUAL_FILTERS,
-    UNMODELLED_WAIT, awaited_stops,
+    FEED_HOLD, FEED_OVERRIDE, Hypothesis, Nature, RECORDER_CLOCK, Trace, UNEQUAL_FILTERS, awaited_stops,
 };
 use crate::identification::fit::{Run, VariationScale};
 use crate::machine::Machine;
@@ -292,9 +291,10 @@ fn passed(
         return None;
     }
     let further = regions::moved(current, &with, runs).0;
-    if [SPINDLE_WAIT, UNMODELLED_WAIT].contains(&candidate.hypothesis.effect) {
+    let plc_words = candidate.hypothesis.plc_words;
+    if 0 < plc_words {
         let believed = candidate.hypothesis.freed[0].handle.get(current).unwrap_or(0.0);
-        if !gates::is_beyond_chance(candidate.values[0] - believed, further) {
+        if !gates::is_beyond_chance(candidate.values[0] - believed, further, plc_words) {
             return None;
         }
     }
@@ -432,7 +432,8 @@ pub fn held(base: &Machine, runs: &[Run], named: Vec<AcceptedCause>) -> Vec<Acce
     kept
 }
 
-/// Removes every cause that the others make unnecessary, or to which they leave too little lost time.
+/// Removes every cause that the others make unnecessary, to which they leave too little lost time, or beside which it no
+/// longer holds in sections that it was not fitted to: a cause that was found first had them unexplained.
 pub fn without_unnecessary(
     base: &Machine,
     looked: &Looked,
@@ -464,8 +465,16 @@ pub fn without_unnecessary(
             others.push(last);
             Some((at, evidence.cost(&with_all(base, &others)) - cost, others))
         };
-        let cheapest = (0..all.len()).filter_map(without).min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((at, _, others)) = cheapest.filter(|(_, rise, _)| *rise < MIN_COST_REDUCTION) else { break };
+        let holds = |at: usize, others: &[Candidate]| {
+            let newest_first: Vec<Candidate> = [&all[at]].into_iter().chain(others).cloned().collect();
+            gates::held_out(&evidence, base, others, &newest_first).is_none_or(|held_out| held_out.holds())
+        };
+        let mut each: Vec<_> = (0..all.len()).filter_map(without).collect();
+        sort_by_number(&mut each, |(_, rise, _)| *rise);
+        let is_idle = |(at, rise, others): &(usize, f64, Vec<Candidate>)| {
+            *rise < MIN_COST_REDUCTION || !holds(*at, others)
+        };
+        let Some((at, _, others)) = each.into_iter().find(is_idle) else { break };
         named.remove(at);
         named.iter_mut().zip(others).for_each(|(named, candidate)| named.candidate = candidate);
     }

@@ -177,6 +177,8 @@ pub struct Hypothesis {
     pub trials: Vec<Vec<f64>>,
     /// `true` if values between the trials have a meaning.
     pub is_continuous: bool,
+    /// Number of words that the PLC answers in a wait that the hypothesis changes; 0 if it changes none.
+    pub plc_words: usize,
     /// Function that returns the reported quantities of values.
     pub report: Report,
 }
@@ -196,7 +198,15 @@ impl Hypothesis {
         report: impl Fn(&[f64]) -> Vec<(Quantity, Reported)> + Send + Sync + 'static,
     ) -> Hypothesis {
         let report: Report = std::sync::Arc::new(report);
-        Hypothesis { effect, variant: String::new(), freed, trials, is_continuous: true, report }
+        Hypothesis {
+            effect,
+            variant: String::new(),
+            freed,
+            trials,
+            is_continuous: true,
+            plc_words: 0,
+            report,
+        }
     }
 
     /// Returns a hypothesis of an effect with one parameter.
@@ -218,6 +228,11 @@ impl Hypothesis {
     /// Returns the hypothesis with values between the trials marked as meaningless.
     pub fn at_trials_only(self) -> Hypothesis {
         Hypothesis { is_continuous: false, ..self }
+    }
+
+    /// Returns the hypothesis of a wait in which the PLC answers this number of words.
+    pub fn answering(self, plc_words: usize) -> Hypothesis {
+        Hypothesis { plc_words, ..self }
     }
 
     /// Returns the name as people read it: the id of the effect with blanks, and the variant in parentheses.

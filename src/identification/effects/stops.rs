@@ -11,7 +11,7 @@ use crate::identification::effects::waits::StopKind;
 use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::{Handle, InPosition, Junction};
 use crate::simulation::ordered::sort_by_number;
-use crate::simulation::toolpath::{Motion, Stop};
+use crate::simulation::toolpath::{Motion, Stop, Toolpath};
 
 /// Least difference between the successive turn angles of corners for a stopping angle between them to be tried,
 /// rad.
@@ -26,6 +26,9 @@ const MAX_TURN_RAD: f64 = std::f64::consts::PI;
 /// Longest wait for position, s: controls stop with an alarm if an axis is not in position by then (Siemens MD36020
 /// POSITIONING_TIME, 1 s).
 const LONGEST_IN_POSITION_S: f64 = 1.0;
+/// Shortest wait for position, s. The stiffest position loops (10 m/min for each mm of lag) come nearer by one part in
+/// e in 6 ms; less than a third of that is the rounding of block ends to the cycles of the control.
+const SHORTEST_IN_POSITION_S: f64 = 2e-3;
 /// Largest number of rapids in the programs for which a wait at a rapid counts as one of its line. A machine that
 /// waits for position waits at every rapid, and so few rapids do not show that.
 const MAX_SINGLE_RAPIDS: usize = 4;
@@ -76,7 +79,7 @@ pub fn in_position_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         let freed = FreeParameter::new(
             Handle::number("halts.in_position_s"),
             0.05,
-            (1e-4, LONGEST_IN_POSITION_S),
+            (SHORTEST_IN_POSITION_S, LONGEST_IN_POSITION_S),
             VariationScale::Ratio,
         )
         .counted_in_cycles()
@@ -92,19 +95,32 @@ pub fn in_position_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
 /// feed move at a new speed.
 pub fn spindle_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let runs = &context.runs;
-    let of = |key: &str, at: &'static str| {
+    let of = |key: &str, at: &'static str, plc_words: usize| {
         let freed = FreeParameter::new(Handle::number(key), 1.0, (1e-3, 60.0), VariationScale::Ratio)
             .counted_in_cycles();
         let report = move |value| vec![(SECONDS, Reported::Number(value)), (AT, Reported::word(at))];
-        Hypothesis::single(effect, freed, ratios(0.05, 10.0, 10), report).variant(at)
+        Hypothesis::single(effect, freed, ratios(0.05, 10.0, 10), report).variant(at).answering(plc_words)
     };
     let has_words = runs.iter().any(|run| run.toolpath.speed_changes().next().is_some());
     let has_feeds = runs.iter().any(|run| run.toolpath.feeds_at_new_speed().next().is_some());
     let all = [
-        (has_words, "times.spindle_change_s", "S words"),
-        (has_feeds, "times.spindle_at_feed_s", "first feed moves"),
+        (has_words, "times.spindle_change_s", "S words", 1),
+        (has_feeds, "times.spindle_at_feed_s", "first feed moves", words_before_feeds(runs)),
     ];
-    all.into_iter().filter(|(is_offered, ..)| *is_offered).map(|(_, key, at)| of(key, at)).collect()
+    let offered = all.into_iter().filter(|(is_offered, ..)| *is_offered);
+    offered.map(|(_, key, at, plc_words)| of(key, at, plc_words)).collect()
+}
+
+/// Returns the largest number of words that the PLC answers directly before a first feed move at a new speed: at least
+/// one, for the spindle. Nothing moves between them and the wait of the feed.
+fn words_before_feeds(runs: &[Run]) -> usize {
+    let words = |toolpath: &Toolpath, feed: usize| -> usize {
+        let first = toolpath.stops.partition_point(|stop| stop.after < feed);
+        let before = toolpath.stops[first..].iter().take_while(|stop| stop.after == feed);
+        before.filter_map(|stop| StopKind::of(&stop.cause)).map(StopKind::plc_words).sum()
+    };
+    let of_run = |run: &Run| run.toolpath.feeds_at_new_speed().map(|feed| words(run.toolpath, feed)).max();
+    runs.iter().filter_map(of_run).fold(1, usize::max)
 }
 
 /// Returns the hypotheses of a longer or shorter wait at each kind of stop.
@@ -123,7 +139,7 @@ pub fn waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let of = |(kind, lines): (StopKind, Vec<u32>)| {
         let others =
             companions[&kind].iter().filter(|other| **other != kind && companions[other].contains(&kind));
-        wait(effect, kind, kind.value(machine), lines[0], others.map(|other| other.word()).collect())
+        wait(effect, kind, kind.value(machine), lines[0], others.copied().collect())
     };
     waits.into_iter().map(of).collect()
 }
@@ -179,19 +195,21 @@ fn companions(runs: &[Run]) -> BTreeMap<StopKind, BTreeSet<StopKind>> {
 }
 
 /// Returns the hypothesis of a longer or shorter wait at one kind of stop. `believed` is the assumed wait, s;
-/// `others` are the words that the recording cannot distinguish from this kind.
-fn wait(effect: Effect, kind: StopKind, believed: f64, line: u32, others: Vec<String>) -> Hypothesis {
+/// `others` are the kinds that the recording cannot distinguish from it.
+fn wait(effect: Effect, kind: StopKind, believed: f64, line: u32, others: Vec<StopKind>) -> Hypothesis {
+    let plc_words = kind.plc_words() + others.iter().map(|other| other.plc_words()).sum::<usize>();
+    let words: Vec<String> = others.into_iter().map(StopKind::word).collect();
     let report = move |value: f64| {
         let mut all = vec![
             (LINE, Reported::Number(f64::from(line))),
             (CODE, Reported::Word(kind.word())),
             (SECONDS, Reported::Number(value - believed)),
         ];
-        if !others.is_empty() {
-            all.push((OR_CODE, Reported::Word(others.join(", "))));
+        if !words.is_empty() {
+            all.push((OR_CODE, Reported::Word(words.join(", "))));
         }
         all
     };
     let trials = LONGER_S.iter().map(|seconds| believed + seconds).collect();
-    Hypothesis::single(effect, kind.freed(believed), trials, report).variant(kind.word())
+    Hypothesis::single(effect, kind.freed(believed), trials, report).variant(kind.word()).answering(plc_words)
 }

@@ -60,6 +60,11 @@ impl StopKind {
         }
     }
 
+    /// Returns the number of words that the PLC answers: for a tool change T and M6.
+    pub fn plc_words(self) -> usize {
+        if matches!(self, StopKind::ToolChange | StopKind::FirstToolChange) { 2 } else { 1 }
+    }
+
     /// Returns the time that the machine has for it, s.
     pub fn value(self, machine: &Machine) -> f64 {
         let times = &machine.times;

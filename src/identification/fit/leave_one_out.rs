@@ -7,8 +7,9 @@
 //! θ₋ₛ − θ = (H − Hₛ)⁻¹ gₛ,     νₛ(θ₋ₛ) = νₛ + Jₛ (θ₋ₛ − θ)
 //! ```
 //!
-//! with ν, J, H and g as in `information`. A value on which the other sections have no information is fixed.
-//! Source: Cook and Weisberg 1982, Sect. 3.4. Limits: valid as far as the residuals are linear in the values.
+//! with ν, J, H and g as in `information`. The information on a value with all others unknown is c = 1/(H⁻¹)ᵢᵢ; the share of
+//! a section is the part of c that is lost without it. A value of which one section has nearly all is fixed: the other
+//! sections do not determine it, or do not tell it from another value. Source: Cook and Weisberg 1982, Sect. 3.4. Limits: valid as far as the residuals are linear in the values.
 
 use std::ops::Range;
 
@@ -28,7 +29,7 @@ const MAX_INFORMATION_SHARE: f64 = 0.95;
 pub struct HeldOutBlock {
     /// Residuals at the values fitted to the other sections.
     pub whitened: Vec<f64>,
-    /// Share of the information on each value that lies in the section.
+    /// Share of the information on each value that is lost without the section.
     pub shares: Vec<f64>,
 }
 
@@ -59,11 +60,9 @@ pub fn held_out_blocks(
 
 fn without(all: &Information, whitened: &[f64], jacobian: &DMatrix<f64>, rows: Range<usize>) -> HeldOutBlock {
     let own = Information::of(whitened, jacobian, rows.clone());
-    let share = |at: usize| match all.normal[(at, at)] {
-        whole if 0.0 < whole => own.normal[(at, at)] / whole,
-        _ => 1.0,
-    };
-    let shares = (0..jacobian.ncols()).map(share).collect();
+    let (whole, rest) = (on_each(&all.normal), on_each(&(&all.normal - &own.normal)));
+    let share = |(whole, rest): (&f64, &f64)| if 0.0 < *whole { (1.0 - rest / whole).max(0.0) } else { 1.0 };
+    let shares = whole.iter().zip(&rest).map(share).collect();
     let mut left = HeldOutBlock { whitened: whitened[rows.clone()].to_vec(), shares };
     let known: Vec<usize> = (0..left.shares.len()).filter(|at| left.is_known(*at)).collect();
     let (all, own) = (all.among(&known), own.among(&known));
@@ -73,6 +72,16 @@ fn without(all: &Information, whitened: &[f64], jacobian: &DMatrix<f64>, rows: R
         left.whitened.iter_mut().zip((slopes * step).iter()).for_each(|(left, moved)| *left += moved);
     }
     left
+}
+
+/// Returns the information on each value with all others unknown; 0 where there is none.
+fn on_each(normal: &DMatrix<f64>) -> Vec<f64> {
+    let mut each = vec![0.0; normal.nrows()];
+    let seen: Vec<usize> = (0..each.len()).filter(|at| 0.0 < normal[(*at, *at)]).collect();
+    if let Some(inverse) = inverse(&normal.select_rows(&seen).select_columns(&seen)) {
+        seen.iter().zip(inverse.diagonal().iter()).for_each(|(at, variance)| each[*at] = 1.0 / variance);
+    }
+    each
 }
 
 #[cfg(test)]
@@ -97,14 +106,24 @@ mod tests {
 
     #[test]
     fn a_value_of_one_section_alone_is_not_known_without_it() {
-        let whitened = [0.2, -0.2, 0.1, 0.3];
-        let jacobian = DMatrix::from_row_slice(4, 2, &[1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0]);
-        let all = Information::of(&whitened, &jacobian, 0..4);
-        assert_eq!(without(&all, &whitened, &jacobian, 0..2).shares, [0.5, 1.0]);
-        assert_eq!(without(&all, &whitened, &jacobian, 2..4).shares, [0.5, 0.0]);
+        let whitened = [0.2, -0.2, 0.1, 0.3, 0.0, 0.1];
+        let slopes = [1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0];
+        let jacobian = DMatrix::from_row_slice(6, 2, &slopes);
+        let all = Information::of(&whitened, &jacobian, 0..6);
         let known = |rows: Range<usize>| {
             [0, 1].map(|value| without(&all, &whitened, &jacobian, rows.clone()).is_known(value))
         };
         assert_eq!((known(0..2), known(2..4)), ([true, false], [true, true]));
+    }
+
+    #[test]
+    fn values_that_the_others_do_not_tell_apart_are_not_known() {
+        let whitened = [0.2, -0.2, 0.1, 0.3];
+        // Only the last two rows tell the values apart: without them they are known as their sum.
+        let jacobian = DMatrix::from_row_slice(4, 2, &[1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0]);
+        let all = Information::of(&whitened, &jacobian, 0..4);
+        let held = without(&all, &whitened, &jacobian, 2..4);
+        assert!(!held.is_known(0) && !held.is_known(1));
+        assert_eq!(held.whitened, whitened[2..]);
     }
 }
