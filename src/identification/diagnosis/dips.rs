@@ -2,14 +2,14 @@
 //!
 //! ```text
 //! feedrate
-//!    ──────╮          ╭──────   a hold hardly longer than the filter delay: the filters never run
-//!           ╲        ╱          empty, or so briefly that no samples stand still
+//!    ──────╮          ╭──────   a hold hardly longer than the machine needs to stop: it never stands
+//!           ╲        ╱          still, or so briefly that no samples show it
 //!            ╲__  __╱
 //!               ╲╱
-//!          |←delay→|
+//!          |←stops→|
 //! ```
 //!
-//! A window begins at each fix of a recording and lasts twice the filter delay. A window is a dip if it loses at
+//! A window begins at each fix of a recording and lasts twice as long as the machine needs to stop. A window is a dip if it loses at
 //! least [`MIN_DIP_S`] s and [`MIN_RATIO_TO_OTHERS`] times as much as any window that does not touch it. Limits and
 //! rules act in many places and leave no dip. A window with a stop of the program in it or near it does not count:
 //! there a machine waits.
@@ -20,7 +20,7 @@
 
 use crate::identification::alignment::Method;
 use crate::identification::diagnosis;
-use crate::identification::diagnosis::rests::{Rest, lost_between, rest_at, stops_within};
+use crate::identification::diagnosis::rests::{Rest, lost_between, rest_at, stopping_time, stops_within};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 use crate::simulation::profile::Profile;
@@ -42,7 +42,7 @@ pub fn dip(machine: &Machine, run: &Run) -> Option<Rest> {
     let plan = run.plan(&machine);
     let profile = Profile::new(run.toolpath, &plan);
     let lost_between = lost_between(run, &machine, &profile);
-    let window = 2.0 * plan.longest_delay();
+    let window = 2.0 * stopping_time(run, &machine, &plan);
     let end = |from: usize| fixes.partition_point(|fix| fix.time <= fixes[from].time + window) - 1;
     // Over a stop the tool stands at one distance for a while, and which of its samples is later there noise decides.
     let has_stop = |from: usize| {

@@ -14,8 +14,8 @@
 //! Rests on one visit of a line count as one, at the place of the longer one. Times before the first mark and after the
 //! last one are unknown: a recorder that starts before the machine does shows no rest.
 //!
-//! A hold that is hardly longer than the filter delay leaves a shorter rest, because its ramps take up the remainder of
-//! its cost. Inside a block, where no control stops by itself, such a rest counts all the same; at the ends of blocks
+//! A hold that is hardly longer than the machine needs to stop leaves a shorter rest, because its ramps take up the
+//! remainder of its cost. Inside a block, where no control stops by itself, such a rest counts all the same; at the ends of blocks
 //! an exact stop may bring a machine to rest for a moment.
 //!
 //! A poll may find a machine at rest for a moment at a corner, at the bottom of a plunge or before a block that the
@@ -24,7 +24,7 @@
 //! [`MIN_STANDSTILL_POLLS`] polls, and if it cost as much: one poll in which it may have begun, one in which it may
 //! have ended, and one that is certain.
 //!
-//! Limits: a hold shorter than the filter delay leaves no rest, and is searched as a dip; a line that runs several
+//! Limits: a hold shorter than the machine needs to stop leaves no rest, and is searched as a dip; a line that runs several
 //! times is assumed to be held each time. More rests than [`MAX_HALTS`], or more than [`MAX_CHANCE_RESTS`] of which
 //! most differ from the usual one by less than [`MAX_ALIKE_PART`] of it, are a property of the machine and not halts,
 //! except for those more than [`MIN_RATIO_TO_USUAL`] times as long as usual. Rests at dwells are counted separately.
@@ -36,8 +36,10 @@ use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
 use crate::identification::effects::{FEED_HOLD, Hypothesis, LINE, Reported, SECONDS, UNMODELLED_WAIT};
 use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::{Handle, Machine};
+use crate::simulation::feed::FeedPlan;
+use crate::simulation::feed::limits::{acceleration, requested_feedrate};
 use crate::simulation::profile::Profile;
-use crate::simulation::toolpath::{Segments, Stop, Toolpath};
+use crate::simulation::toolpath::{Motion, Segments, Stop, Toolpath};
 
 /// Shortest rest, s.
 pub const MIN_REST_S: f64 = 0.1;
@@ -102,7 +104,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         Method::Lines | Method::Feed => run.alignment.poll.unwrap_or(0.0),
     };
     let least = MIN_REST_S.max(2.0 * poll);
-    let ramp = plan.longest_delay();
+    let ramp = stopping_time(run, &machine, &plan);
     let visits = visits(run.toolpath);
     let marks = &run.alignment.marks;
     let known = marks.first().map_or(0.0, |mark| mark.time)..marks.last().map_or(0.0, |mark| mark.time);
@@ -171,6 +173,14 @@ fn add(found: &mut Vec<Rest>, rest: Rest) {
         }
         _ => found.push(rest),
     }
+}
+
+/// Returns the longest time in which a machine comes to rest from a feed move of a run, s: a ramp at the acceleration
+/// limit, and the filter delay.
+pub fn stopping_time(run: &Run, machine: &Machine, plan: &FeedPlan) -> f64 {
+    let feeds = run.toolpath.segments.iter().filter(|segment| segment.motion != Motion::Rapid);
+    let ramps = feeds.map(|segment| requested_feedrate(&segment, machine) / acceleration(&segment, machine));
+    plan.longest_delay() + ramps.fold(0.0, f64::max)
 }
 
 /// Returns a function of the indices of two fixes of a run: the time that the recorded machine lost from one to the
