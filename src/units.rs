@@ -14,7 +14,8 @@
 //! | power        | N·mm/s | W                     |
 //! | modulus      | N/mm²  | GPa                   |
 //!
-//! Borders are G-code words, the machine file, the command line's output and the page.
+//! Borders are G-code words, the machine file, the command line's output and the page. The page can show
+//! lengths in inches ([`LengthUnit`]); all other borders have the units of the table.
 
 /// Millimetres in an inch, exact by definition.
 pub const MM_PER_INCH: f64 = 25.4;
@@ -80,6 +81,98 @@ pub fn watts_of_n_mm_per_s(power: f64) -> f64 {
 /// Converts W to N·mm/s.
 pub fn n_mm_per_s_of_watts(power_watts: f64) -> f64 {
     power_watts * MM_PER_M
+}
+
+/// The unit in which the page shows lengths and feedrates; files, forms and documents have their own units.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// Millimetres, and micrometres for tolerances and errors.
+    #[default]
+    Millimetre,
+    /// Inches, for tolerances and errors too.
+    Inch,
+}
+
+impl LengthUnit {
+    /// All units by their word.
+    pub const WORDS: [(&'static str, LengthUnit); 2] =
+        [("metric", LengthUnit::Millimetre), ("inch", LengthUnit::Inch)];
+
+    /// Returns the unit of a word; `None` for other words.
+    pub fn from_word(word: &str) -> Option<LengthUnit> {
+        LengthUnit::WORDS.into_iter().find(|(own, _)| *own == word).map(|(_, unit)| unit)
+    }
+
+    /// Returns the length of the unit, mm.
+    pub fn in_mm(self) -> f64 {
+        match self {
+            LengthUnit::Millimetre => 1.0,
+            LengthUnit::Inch => MM_PER_INCH,
+        }
+    }
+
+    /// Converts mm to this unit.
+    pub fn from_mm(self, length: f64) -> f64 {
+        length / self.in_mm()
+    }
+
+    /// Converts this unit to mm.
+    pub fn to_mm(self, length: f64) -> f64 {
+        length * self.in_mm()
+    }
+
+    /// Converts mm/s to this unit per minute.
+    pub fn feedrate(self, feedrate: f64) -> f64 {
+        self.from_mm(mm_per_min(feedrate))
+    }
+
+    /// Converts mm to the unit of tolerances and errors.
+    pub fn fine(self, length: f64) -> f64 {
+        match self {
+            LengthUnit::Millimetre => micrometres(length),
+            LengthUnit::Inch => self.from_mm(length),
+        }
+    }
+
+    /// Returns the symbol of lengths.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            LengthUnit::Millimetre => "mm",
+            LengthUnit::Inch => "in",
+        }
+    }
+
+    /// Returns the symbol of feedrates.
+    pub fn feed_symbol(self) -> &'static str {
+        match self {
+            LengthUnit::Millimetre => "mm/min",
+            LengthUnit::Inch => "in/min",
+        }
+    }
+
+    /// Returns the symbol of tolerances and errors.
+    pub fn fine_symbol(self) -> &'static str {
+        match self {
+            LengthUnit::Millimetre => "µm",
+            LengthUnit::Inch => "in",
+        }
+    }
+
+    /// Returns the decimals of lengths: about a hundredth of a millimetre.
+    pub fn decimals(self) -> usize {
+        match self {
+            LengthUnit::Millimetre => 2,
+            LengthUnit::Inch => 3,
+        }
+    }
+
+    /// Returns the decimals of feedrates.
+    pub fn feed_decimals(self) -> usize {
+        match self {
+            LengthUnit::Millimetre => 0,
+            LengthUnit::Inch => 1,
+        }
+    }
 }
 
 /// The unit of a machine parameter in files and forms.
@@ -159,5 +252,28 @@ impl Unit {
             Unit::Percent => "%",
             Unit::PerHour => "per h",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn millimetres_are_shown_bit_for_bit() {
+        let unit = LengthUnit::default();
+        for length in [0.0, 0.1, 1.0 / 3.0, 12_345.678] {
+            assert_eq!((unit.from_mm(length), unit.to_mm(length)), (length, length));
+            assert_eq!((unit.feedrate(length), unit.fine(length)), (mm_per_min(length), micrometres(length)));
+        }
+    }
+
+    #[test]
+    fn an_inch_is_25_4_mm() {
+        let unit = LengthUnit::from_word("inch").expect("a word of a unit");
+        assert_eq!((unit.from_mm(50.8), unit.to_mm(2.0), unit.fine(0.254)), (2.0, 50.8, 0.01));
+        // 2540 mm/min.
+        assert!((unit.feedrate(mm_per_s(2540.0)) - 100.0).abs() < 1e-12);
+        assert_eq!(LengthUnit::from_word("cubit"), None);
     }
 }

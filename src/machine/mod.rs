@@ -34,7 +34,7 @@ pub use presets::{Preset, presets};
 pub use times::{FunctionTimes, MCodeGroup, SpindleDirection, SpindleState, SpindleTimes};
 pub use tolerance::{
     ToleranceError, USUAL_TOLERANCES_MM, checked_tolerance, deviation_label, tolerance_from_text,
-    tolerance_label,
+    tolerance_label, tolerance_label_in,
 };
 
 /// Names of the linear axes, in the order of the coordinates of a point.

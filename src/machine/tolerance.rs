@@ -1,14 +1,17 @@
-//! Contour tolerances as people enter and read them: in µm unless they write mm.
+//! Contour tolerances as people enter and read them: in µm unless they write mm; the page can show inches.
 //!
 //! ```text
 //! tolerance = number, [ "um" | "µm" | "μm" | "mm" ]      decimal point or comma
 //! ```
 
 use crate::machine::{Access, parameter};
-use crate::units::{micrometres, mm_of_micrometres};
+use crate::units::{LengthUnit, micrometres, mm_of_micrometres};
 
 /// Key of the tolerance in the machine file and on the page.
 const TOLERANCE_KEY: &str = "interpolator.contour_tolerance_mm";
+
+/// Decimals of a distance from the path in inches: 0.00001 in is a quarter of a micrometre.
+const DEVIATION_DECIMALS_IN: usize = 5;
 
 /// Default tolerances of a quote, mm.
 pub const USUAL_TOLERANCES_MM: [f64; 3] = [0.010, 0.020, 0.050];
@@ -72,9 +75,22 @@ pub fn tolerance_label(tolerance: f64) -> String {
     format!("{} µm", digits.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// Formats a measured distance from the path (mm), for example `21.4 µm`.
-pub fn deviation_label(deviation: f64) -> String {
-    format!("{:.1} µm", micrometres(deviation))
+/// Formats a tolerance (mm) in a unit, for example `15 µm` or `0.00059 in`.
+pub fn tolerance_label_in(unit: LengthUnit, tolerance: f64) -> String {
+    if unit == LengthUnit::Millimetre {
+        return tolerance_label(tolerance);
+    }
+    let length = unit.fine(tolerance);
+    // At least two significant digits, so that the finest tolerances do not look alike.
+    let decimals = (1.0 - length.log10().floor()).clamp(DEVIATION_DECIMALS_IN as f64, 9.0) as usize;
+    let digits = format!("{length:.decimals$}");
+    format!("{} {}", digits.trim_end_matches('0').trim_end_matches('.'), unit.fine_symbol())
+}
+
+/// Formats a measured distance from the path (mm) in a unit, for example `21.4 µm` or `0.00084 in`.
+pub fn deviation_label(unit: LengthUnit, deviation: f64) -> String {
+    let decimals = if unit == LengthUnit::Inch { DEVIATION_DECIMALS_IN } else { 1 };
+    format!("{:.decimals$} {}", unit.fine(deviation), unit.fine_symbol())
 }
 
 /// Returns the least and the largest tolerance, mm.
@@ -118,7 +134,7 @@ mod tests {
 
     #[test]
     fn deviations_have_one_decimal() {
-        assert_eq!(deviation_label(0.0214351), "21.4 µm");
+        assert_eq!(deviation_label(LengthUnit::Millimetre, 0.0214351), "21.4 µm");
     }
 
     #[test]
@@ -127,5 +143,15 @@ mod tests {
             let read = tolerance_from_text(&tolerance_label(tolerance)).expect("a label is a tolerance");
             assert!((read - tolerance).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn inches_have_five_decimals_or_two_digits() {
+        let label = |tolerance: f64| tolerance_label_in(LengthUnit::Inch, tolerance);
+        assert_eq!([0.01, 0.05, 0.0254].map(label), ["0.00039 in", "0.00197 in", "0.001 in"]);
+        assert_eq!([0.0001, 0.0011, 25.4].map(label), ["0.0000039 in", "0.000043 in", "1 in"]);
+        assert_eq!(tolerance_label_in(LengthUnit::Millimetre, 0.0125), "12.5 µm");
+        assert_eq!(deviation_label(LengthUnit::Inch, 0.0214351), "0.00084 in");
+        assert_eq!(deviation_label(LengthUnit::Inch, 0.0), "0.00000 in");
     }
 }

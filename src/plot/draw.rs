@@ -8,7 +8,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use crate::plot::feed_panel::{self, FeedLayout, programmed_width};
 use crate::plot::panel::{Borders, DrawError, FONT, FONT_SIZE_PT, Look, axis_number};
 use crate::plot::{FeedChart, Frame, Grains, Theme, View, error_panel, lost_panel};
-use crate::units::mm_per_min;
+use crate::units::LengthUnit;
 
 /// Part of the height below the legend that the feedrates take.
 const FEED_HEIGHT_SHARE: f64 = 0.6;
@@ -35,8 +35,13 @@ pub fn draw<B: DrawingBackend>(
     has_legend: bool,
     backend: B,
 ) -> Result<Frame, DrawError<B>> {
-    let (low, high) = (mm_per_min(view.feedrate.0), mm_per_min(view.feedrate.1));
-    let least = if chart.lost.is_some() { 6 } else { 5 };
+    let (low, high) = (theme.unit.feedrate(view.feedrate.0), theme.unit.feedrate(view.feedrate.1));
+    let least = match theme.unit {
+        _ if chart.lost.is_some() => 6,
+        LengthUnit::Millimetre => 5,
+        // Contour errors such as 0.0005.
+        LengthUnit::Inch => 7,
+    };
     let label_characters = axis_number(theme, high, high - low).chars().count().max(least);
     let look = Look { theme: *theme, scale, label_characters };
     let root = backend.into_drawing_area();
@@ -149,10 +154,13 @@ mod tests {
     }
 
     fn sized(chart: &FeedChart, view: View, size: (u32, u32)) -> (String, Frame) {
+        themed(chart, view, size, &Theme::LIGHT)
+    }
+
+    fn themed(chart: &FeedChart, view: View, size: (u32, u32), theme: &Theme) -> (String, Frame) {
         let mut text = String::new();
         let backend = SVGBackend::with_string(&mut text, size);
-        let frame =
-            draw(chart, view, &Theme::LIGHT, 1.0, true, backend).expect("an SVG in memory can be drawn");
+        let frame = draw(chart, view, theme, 1.0, true, backend).expect("an SVG in memory can be drawn");
         (text, frame)
     }
 
@@ -185,6 +193,32 @@ mod tests {
         for color in [Theme::LIGHT.programmed, Theme::LIGHT.curves[0], Theme::LIGHT.curves[1]] {
             assert!(text.matches(&hex(color)).count() >= 2, "{color:?} is missing on the legend or the plot");
         }
+    }
+
+    #[test]
+    fn in_inches_the_axes_have_round_numbers_of_inches_at_their_places() {
+        let theme = Theme { unit: LengthUnit::Inch, ..Theme::LIGHT };
+        let (text, frame) = themed(&chart(), chart().full_view(false), (800, 640), &theme);
+        for title in ["Distance along the path (in)", "Feedrate (in/min)", "Contour error (in)"] {
+            assert_eq!(text.matches(title).count(), 1, "{title}");
+        }
+        // 100 mm are 3.94 in, 30 mm/s are 70.9 in/min and 0.03 mm are 0.00118 in.
+        let lines: Vec<&str> = text.lines().map(str::trim).collect();
+        let tag_of = |number: &str| {
+            lines
+                .iter()
+                .position(|line| *line == number)
+                .map(|at| lines[at - 1])
+                .unwrap_or_else(|| panic!("{number}"))
+        };
+        let place = |tag: &str, name: &str| -> f64 {
+            let rest = tag.split(&format!(" {name}=\"")).nth(1).expect("a text has a place");
+            rest.split('"').next().expect("quoted").parse().expect("a number")
+        };
+        assert!((place(tag_of("3"), "x") - frame.x_of(3.0 * 25.4)).abs() <= 2.0);
+        // 60 in/min.
+        assert!((place(tag_of("60"), "y") - frame.y_of(25.4)).abs() <= 2.0);
+        tag_of("0.001");
     }
 
     #[test]

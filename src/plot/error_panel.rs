@@ -12,7 +12,7 @@ use crate::plot::decimate::count_before;
 use crate::plot::feed_panel::rapid_ranges;
 use crate::plot::panel::{Axes, Borders, DrawError, Look, borders};
 use crate::plot::{FeedChart, FeedrateCurve, Programmed, TolerancePart, View};
-use crate::units::micrometres;
+use crate::units::LengthUnit;
 
 /// Ratio of the ordinate to the largest error in view.
 const HEADROOM_RATIO: f64 = 1.12;
@@ -32,11 +32,13 @@ pub(crate) fn draw<B: DrawingBackend>(
     look: &Look,
     area: &DrawingArea<B, Shift>,
 ) -> Result<Borders, DrawError<B>> {
+    let unit = look.theme.unit;
     let axes = |top: f64| Axes {
         distance: view.distance,
-        distance_title: Some(chart.abscissa.title()),
+        distance_title: Some(chart.abscissa.title(unit)),
+        distance_unit_size: chart.abscissa.unit_size(unit),
         value: (0.0, top),
-        value_title: "Contour error (µm)",
+        value_title: format!("Contour error ({})", unit.fine_symbol()),
     };
     // The number of columns must be known before the errors in them determine the scale.
     let borders = borders(&look.panel(area, &axes(1.0))?);
@@ -48,7 +50,8 @@ pub(crate) fn draw<B: DrawingBackend>(
         .filter(|(curve, _)| !curve.hidden)
         .collect();
     let by = |columns: usize| -> Vec<_> {
-        shown.iter().map(|(curve, _)| outline(curve, &chart.programmed, view, columns)).collect()
+        let of = |curve| outline(curve, &chart.programmed, view, columns, unit);
+        shown.iter().map(|(curve, _)| of(curve)).collect()
     };
     let mut outlines = by(columns);
     if outlines.iter().any(|outline| MAX_TURNS_PER_PT * columns as f64 / look.scale < rise(outline)) {
@@ -56,7 +59,7 @@ pub(crate) fn draw<B: DrawingBackend>(
     }
     let in_sight: Vec<Vec<TolerancePart>> =
         shown.iter().map(|(curve, _)| merged(&curve.tolerances, view, columns)).collect();
-    let tolerances = in_sight.iter().flatten().map(|stretch| micrometres(stretch.tolerance));
+    let tolerances = in_sight.iter().flatten().map(|stretch| unit.fine(stretch.tolerance));
     let errors = outlines.iter().flatten().map(|&(_, error)| error);
     let largest = tolerances.chain(errors).fold(0.0, f64::max);
     let axes = axes(HEADROOM_RATIO * if 0.0 < largest { largest } else { 1.0 });
@@ -79,7 +82,7 @@ pub(crate) fn draw<B: DrawingBackend>(
     for (stretch, color) in
         tolerances.flat_map(|(all, (_, color))| all.iter().map(move |stretch| (stretch, color)))
     {
-        let tolerance = micrometres(stretch.tolerance);
+        let tolerance = unit.fine(stretch.tolerance);
         let ends = [(stretch.from, tolerance), (stretch.to, tolerance)];
         let dashes = (look.points(5.0) as i32, look.points(4.0) as i32);
         let line = color.mix(0.8).stroke_width(look.points(1.0));
@@ -111,9 +114,15 @@ fn merged(tolerances: &[TolerancePart], view: View, columns: usize) -> Vec<Toler
     joined
 }
 
-/// Returns the largest error (µm) in each pixel column as a polyline over distance (mm) with a point at
+/// Returns the largest error (µm or in) in each pixel column as a polyline over distance (mm) with a point at
 /// either side of each change; it begins and ends on the abscissa.
-fn outline(curve: &FeedrateCurve, programmed: &Programmed, view: View, columns: usize) -> Vec<(f64, f64)> {
+fn outline(
+    curve: &FeedrateCurve,
+    programmed: &Programmed,
+    view: View,
+    columns: usize,
+    unit: LengthUnit,
+) -> Vec<(f64, f64)> {
     let (low, high) = view.distance;
     let border = |column: usize| low + (high - low) * column as f64 / columns as f64;
     let ends = curve.segment_ends(programmed);
@@ -127,7 +136,7 @@ fn outline(curve: &FeedrateCurve, programmed: &Programmed, view: View, columns: 
         let last = first + likely;
         let seen = first..(last + 1).min(ends.len());
         first = last + count_before(&ends[last..], to.next_up(), 0);
-        let error = micrometres(curve.largest_error_on(ends, seen, to).unwrap_or(0.0));
+        let error = unit.fine(curve.largest_error_on(ends, seen, to).unwrap_or(0.0));
         let last = points[points.len() - 1].1;
         if error != last {
             points.extend([(from, last), (from, error)]);
@@ -165,7 +174,7 @@ mod tests {
         let (curve, programmed) = curve();
         for (distance, columns) in [((0.0, 1000.0), 100), ((0.0, 1000.0), 7919), ((490.5, 510.5), 333)] {
             let view = View { distance, feedrate: (0.0, 1.0) };
-            let points = outline(&curve, &programmed, view, columns);
+            let points = outline(&curve, &programmed, view, columns, LengthUnit::Millimetre);
             assert!(points.len() <= 2 * columns + 4);
             assert!(points.windows(2).all(|pair| pair[0].0 <= pair[1].0));
             let largest = points.iter().fold(0.0, |top: f64, point| top.max(point.1));
@@ -176,7 +185,10 @@ mod tests {
                 if distance.0 < at && at < distance.1 {
                     let near = points.iter().filter(|point| (point.0 - at).abs() <= 1.001 * width);
                     let top = near.fold(0.0, |top: f64, point| top.max(point.1));
-                    assert!(micrometres(error) <= top + 1e-9, "corner {k} of {columns} columns");
+                    assert!(
+                        LengthUnit::Millimetre.fine(error) <= top + 1e-9,
+                        "corner {k} of {columns} columns"
+                    );
                 }
             }
         }
@@ -200,7 +212,7 @@ mod tests {
         let (mut curve, programmed) = curve();
         curve.errors.corner = vec![0.0; 1000].into();
         let view = View { distance: (490.0, 510.0), feedrate: (0.0, 1.0) };
-        let points = outline(&curve, &programmed, view, 200);
+        let points = outline(&curve, &programmed, view, 200, LengthUnit::Millimetre);
         let parts: Vec<_> = steps(&points).collect();
         assert_eq!(parts.len(), 1);
         let (first, last) = (parts[0][0], parts[0][parts[0].len() - 1]);

@@ -10,7 +10,6 @@ use crate::plot::panel::{Axes, Borders, DrawError, Look, borders};
 use crate::plot::strips::{QuantityLine, strips};
 use crate::plot::{Abscissa, Extremes, FeedChart, FeedrateCurve, Grains, SectionGrain, Strip, View};
 use crate::simulation::sampled::rows_around_by;
-use crate::units::mm_per_min;
 
 /// Width of the programmed steps, points.
 const PROGRAMMED_WIDTH_PT: f64 = 5.0;
@@ -50,7 +49,7 @@ impl FeedLayout {
         look: &Look,
         area: &DrawingArea<B, Shift>,
     ) -> Result<FeedLayout, DrawError<B>> {
-        let borders = borders(&look.panel(area, &axes(view, false))?);
+        let borders = borders(&look.panel(area, &axes(chart, view, look, false))?);
         let columns = (borders.x.1 - borders.x.0).max(1.0) as usize;
         let exact: Vec<_> = chart
             .curves
@@ -62,10 +61,16 @@ impl FeedLayout {
     }
 }
 
-fn axes(view: View, is_one_of_many: bool) -> Axes<'static> {
-    let value = (mm_per_min(view.feedrate.0), mm_per_min(view.feedrate.1));
-    let value_title = if is_one_of_many { "mm/min" } else { "Feedrate (mm/min)" };
-    Axes { distance: view.distance, distance_title: None, value, value_title }
+fn axes(chart: &FeedChart, view: View, look: &Look, is_one_of_many: bool) -> Axes {
+    let unit = look.theme.unit;
+    let symbol = unit.feed_symbol();
+    Axes {
+        distance: view.distance,
+        distance_title: None,
+        distance_unit_size: chart.abscissa.unit_size(unit),
+        value: (unit.feedrate(view.feedrate.0), unit.feedrate(view.feedrate.1)),
+        value_title: if is_one_of_many { symbol.to_string() } else { format!("Feedrate ({symbol})") },
+    }
 }
 
 /// Draws the feedrates of a chart on an area, or only those of the curve with the index `only`.
@@ -80,7 +85,8 @@ pub(crate) fn draw<B: DrawingBackend>(
     let theme = &look.theme;
     let FeedLayout { columns, grains, exact } = layout;
     let columns = *columns;
-    let axes = axes(view, only.is_some());
+    let axes = axes(chart, view, look, only.is_some());
+    let unit = theme.unit;
     let feed = axes.value;
     let mut context = look.panel(area, &axes)?;
     let borders = borders(&context);
@@ -98,7 +104,7 @@ pub(crate) fn draw<B: DrawingBackend>(
     let color = |index: usize| theme.curves[index % theme.curves.len()];
     for &index in &shown {
         for strips in dense(chart, &chart.curves[index], grains, view) {
-            let inside = |feedrate: f64| mm_per_min(feedrate.clamp(view.feedrate.0, view.feedrate.1));
+            let inside = |feedrate: f64| unit.feedrate(feedrate.clamp(view.feedrate.0, view.feedrate.1));
             let mut ground = |low: fn(&Strip) -> f64, high: fn(&Strip) -> f64, part: f64| {
                 let lower = outline(&strips, low).into_iter();
                 let upper = outline(&strips, high).into_iter().rev();
@@ -115,9 +121,9 @@ pub(crate) fn draw<B: DrawingBackend>(
     }
     let mut line = |points: &[(f64, f64)], style: ShapeStyle| {
         let parts = clipped(points, view).into_iter();
-        let in_minutes =
-            |part: Vec<(f64, f64)>| part.into_iter().map(|(d, f)| (d, mm_per_min(f))).collect::<Vec<_>>();
-        context.draw_series(parts.map(|part| PathElement::new(in_minutes(part), style))).map(|_| ())
+        let shown =
+            |part: Vec<(f64, f64)>| part.into_iter().map(|(d, f)| (d, unit.feedrate(f))).collect::<Vec<_>>();
+        context.draw_series(parts.map(|part| PathElement::new(shown(part), style))).map(|_| ())
     };
     if !chart.programmed.hidden {
         let steps = programmed_steps(chart, view, columns);

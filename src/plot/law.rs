@@ -53,9 +53,10 @@ pub fn draw_law<B: DrawingBackend>(
     root.fill(&theme.background)?;
     let axes = Axes {
         distance: (0.0, right),
-        distance_title: Some(&chart.titles[0]),
+        distance_title: Some(chart.titles[0].clone()),
+        distance_unit_size: 1.0,
         value: (0.0, high),
-        value_title: &chart.titles[1],
+        value_title: chart.titles[1].clone(),
     };
     let mut context = look.panel(&root, &axes)?;
     look.mesh(&mut context, &axes)?;

@@ -9,7 +9,7 @@ use plotters::prelude::*;
 use crate::cutting::{CutLoad, Engagement, LoadCurve};
 use crate::plot::decimate::{clipped, decimated};
 use crate::plot::panel::{Axes, DrawError, Look, axis_number, borders};
-use crate::plot::{Column, Theme, View};
+use crate::plot::{Abscissa, Column, Theme, View};
 use crate::simulation::sampled::rows_around;
 use crate::units::{mm_per_min, watts_of_n_mm_per_s};
 
@@ -116,15 +116,21 @@ pub fn draw_loads<B: DrawingBackend>(
     let panels = [
         (&chart.force, "Force (N)", None),
         (&chart.power, "Power (W)", None),
-        (&chart.removal_rate, "Removal (cm³/min)", Some("Distance along the path (mm)")),
+        (&chart.removal_rate, "Removal (cm³/min)", Some(Abscissa::Distance.title(theme.unit))),
     ];
-    let tops = panels.map(|(curves, ..)| top(&chart.distance, curves, distance));
+    let tops = panels.each_ref().map(|(curves, ..)| top(&chart.distance, curves, distance));
     let characters = tops.map(|top| axis_number(theme, top, top).chars().count());
     let look = Look { theme: *theme, scale, label_characters: characters.into_iter().fold(5, usize::max) };
     for ((area, (curves, title, distance_title)), top) in
         root.split_evenly((panels.len(), 1)).iter().zip(panels).zip(tops)
     {
-        let axes = Axes { distance, distance_title, value: (0.0, top), value_title: title };
+        let axes = Axes {
+            distance,
+            distance_title,
+            distance_unit_size: Abscissa::Distance.unit_size(theme.unit),
+            value: (0.0, top),
+            value_title: title.to_string(),
+        };
         let mut context = look.panel(area, &axes)?;
         let borders = borders(&context);
         sides = borders.x;

@@ -11,7 +11,7 @@ use plotters::prelude::*;
 use crate::plot::decimate::{clipped, decimated};
 use crate::plot::feed_panel::rapid_ranges;
 use crate::plot::panel::{Axes, Borders, DrawError, Look, borders};
-use crate::plot::{FeedChart, LostTime, View};
+use crate::plot::{Abscissa, FeedChart, LostTime, View};
 use crate::simulation::sampled::rows_around;
 
 /// Room above and below the data, as a part of it.
@@ -35,9 +35,10 @@ pub(crate) fn draw<B: DrawingBackend>(
         .fold((0.0f64, 0.0f64), |(low, high), own| (low.min(own.0), high.max(own.1)));
     let axes = Axes {
         distance: view.distance,
-        distance_title: Some("Distance along the path (mm)"),
+        distance_title: Some(Abscissa::Distance.title(look.theme.unit)),
+        distance_unit_size: Abscissa::Distance.unit_size(look.theme.unit),
         value,
-        value_title: "Time lost (s)",
+        value_title: "Time lost (s)".to_string(),
     };
     let mut context = look.panel(area, &axes)?;
     let borders = borders(&context);

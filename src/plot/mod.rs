@@ -10,6 +10,9 @@
 //! With a recording the curves are the recorded and the simulated feedrate, and the lower panel shows the
 //! time that the recorded machine has lost since the start, s, instead of the contour error.
 //!
+//! If the [`Theme`] has inches, the axes are in inches and inches per minute; data, views and frames stay in
+//! mm.
+//!
 //! The same curves can be drawn over time (`over_time`), and each in its own panel.
 //!
 //! Where the curves rise and fall more often than the picture can show, their means are drawn, with a band
@@ -58,6 +61,7 @@ use std::ops::Range;
 
 use crate::simulation::contour::ContourErrors;
 use crate::simulation::sampled::rows_around;
+use crate::units::LengthUnit;
 
 /// Data of a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -90,11 +94,19 @@ pub enum Abscissa {
 }
 
 impl Abscissa {
-    /// Returns the title of the axis.
-    fn title(self) -> &'static str {
+    /// Returns the title of the axis if lengths are shown in `unit`.
+    fn title(self, unit: LengthUnit) -> String {
         match self {
-            Abscissa::Distance => "Distance along the path (mm)",
-            Abscissa::Time => "Time since the start (s)",
+            Abscissa::Distance => format!("Distance along the path ({})", unit.symbol()),
+            Abscissa::Time => "Time since the start (s)".to_string(),
+        }
+    }
+
+    /// Returns the size of the unit in the title, mm or s.
+    fn unit_size(self, unit: LengthUnit) -> f64 {
+        match self {
+            Abscissa::Distance => unit.in_mm(),
+            Abscissa::Time => 1.0,
         }
     }
 }

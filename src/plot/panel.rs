@@ -3,8 +3,11 @@
 //! plotters draws on whole pixels of the device, so that every size is in points of the page times `scale`,
 //! the number of device pixels per point.
 
+use std::ops::Range;
+
 use plotters::chart::ChartContext;
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
@@ -39,18 +42,53 @@ pub(crate) struct Borders {
 }
 
 /// The axes of a panel.
-pub(crate) struct Axes<'a> {
+pub(crate) struct Axes {
     /// Distances in view, mm.
     pub distance: (f64, f64),
     /// Title of the distance axis; `None` leaves out title and numbers.
-    pub distance_title: Option<&'a str>,
+    pub distance_title: Option<String>,
+    /// Size of the unit in that title, in the unit of the distances.
+    pub distance_unit_size: f64,
     /// Values in view.
     pub value: (f64, f64),
     /// Title of the values.
-    pub value_title: &'a str,
+    pub value_title: String,
 }
 
-pub(crate) type PanelContext<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+pub(crate) type PanelContext<'a, B> = ChartContext<'a, B, Cartesian2d<DistanceCoord, RangedCoordf64>>;
+
+/// The coordinate of distances, with ticks at round numbers of the unit shown.
+pub(crate) struct DistanceCoord {
+    /// In the unit of the data.
+    data: RangedCoordf64,
+    /// In the unit shown.
+    shown: RangedCoordf64,
+    unit_size: f64,
+}
+
+impl DistanceCoord {
+    fn new((low, high): (f64, f64), unit_size: f64) -> DistanceCoord {
+        let shown = low / unit_size..high / unit_size;
+        DistanceCoord { data: (low..high).into(), shown: shown.into(), unit_size }
+    }
+}
+
+impl Ranged for DistanceCoord {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        self.data.map(value, limit)
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        self.shown.key_points(hint).into_iter().map(|tick| tick * self.unit_size).collect()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.data.range()
+    }
+}
 
 impl Look {
     /// Converts points to device pixels.
@@ -78,7 +116,10 @@ impl Look {
             .y_label_area_size(
                 self.points(CHARACTER_WIDTH_RATIO * FONT_SIZE_PT * self.label_characters as f64 + 32.0),
             )
-            .build_cartesian_2d(axes.distance.0..axes.distance.1, axes.value.0..axes.value.1)
+            .build_cartesian_2d(
+                DistanceCoord::new(axes.distance, axes.distance_unit_size),
+                axes.value.0..axes.value.1,
+            )
     }
 
     /// Returns a title that fits along `pixels`: only its unit if the whole title is too long.
@@ -105,21 +146,24 @@ impl Look {
         let labels =
             |pixels: u32, spacing: f64| ((f64::from(pixels) / (spacing * self.scale)) as usize).clamp(2, 12);
         let theme = &self.theme;
-        let number = |(low, high): (f64, f64)| move |value: &f64| axis_number(theme, *value, high - low);
-        let (distance, value) = (number(axes.distance), number(axes.value));
+        let number = |(low, high): (f64, f64), unit_size: f64| {
+            move |value: &f64| axis_number(theme, value / unit_size, (high - low) / unit_size)
+        };
+        let distance = number(axes.distance, axes.distance_unit_size);
+        let value = number(axes.value, 1.0);
         let mut mesh = context.configure_mesh();
         mesh.x_labels(labels(width, 105.0))
             .y_labels(labels(height, 28.0))
             .x_label_formatter(&distance)
             .y_label_formatter(&value)
-            .y_desc(self.short(axes.value_title, height))
+            .y_desc(self.short(&axes.value_title, height))
             .label_style(font.clone())
             .axis_desc_style(font)
             .axis_style(axis.stroke_width(self.points(1.0)))
             .bold_line_style(grid.stroke_width(self.points(1.0)))
             .light_line_style(TRANSPARENT)
             .set_all_tick_mark_size(self.points(4.0));
-        match axes.distance_title {
+        match &axes.distance_title {
             Some(title) => mesh.x_desc(title).draw(),
             None => mesh.x_label_formatter(&|_| String::new()).draw(),
         }
@@ -129,7 +173,7 @@ impl Look {
 /// Returns the plotting area of a panel.
 pub(crate) fn borders<B: DrawingBackend>(context: &PanelContext<B>) -> Borders {
     let (x, y) = context.plotting_area().get_pixel_range();
-    let ends = |range: std::ops::Range<i32>| (f64::from(range.start), f64::from(range.end));
+    let ends = |range: Range<i32>| (f64::from(range.start), f64::from(range.end));
     Borders { x: ends(x), y: ends(y) }
 }
 
@@ -149,6 +193,14 @@ mod tests {
         assert_eq!(look.short("Contour error (µm)", 300), "Contour error (µm)");
         assert_eq!(look.short("Contour error (µm)", 200), "µm");
         assert_eq!(look.short("mm/min", 10), "mm/min");
+    }
+
+    #[test]
+    fn ticks_are_round_numbers_of_the_unit_shown() {
+        let (mm, inches) = (DistanceCoord::new((0.0, 508.0), 1.0), DistanceCoord::new((0.0, 508.0), 25.4));
+        assert_eq!(mm.key_points(6), [0.0, 100.0, 200.0, 300.0, 400.0, 500.0]);
+        assert_eq!(inches.key_points(6), [0.0, 5.0, 10.0, 15.0, 20.0].map(|tick| tick * 25.4));
+        assert_eq!(inches.map(&254.0, (0, 800)), 400);
     }
 
     #[test]

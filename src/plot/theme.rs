@@ -1,8 +1,10 @@
-//! The colours of a picture, on light and on dark ground, and its number format.
+//! The colours of a picture, on light and on dark ground, its number format and its unit of length.
 
 use plotters::style::RGBColor;
 
-/// Colours of a picture and its numbers.
+use crate::units::LengthUnit;
+
+/// Colours of a picture, its numbers and its unit of length.
 #[derive(Clone, Copy, Debug)]
 pub struct Theme {
     /// Background of the picture.
@@ -24,6 +26,8 @@ pub struct Theme {
     pub band: f64,
     /// Formats a number with at most this number of decimals.
     pub numbers: fn(f64, usize) -> String,
+    /// Unit of lengths and feedrates.
+    pub unit: LengthUnit,
 }
 
 /// Number of curves with a colour each.
@@ -49,6 +53,7 @@ impl Theme {
         ],
         band: 0.12,
         numbers: grouped,
+        unit: LengthUnit::Millimetre,
     };
 
     /// Light on dark, with the same colours in an order that begins with the light ones.
@@ -69,6 +74,7 @@ impl Theme {
         ],
         band: 0.16,
         numbers: grouped,
+        unit: LengthUnit::Millimetre,
     };
 }
 

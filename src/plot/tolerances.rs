@@ -1,16 +1,17 @@
 //! The chart of cycle time over contour tolerance, which shows the time that a wider tolerance saves.
 //!
-//! The abscissa is the contour tolerance on a logarithmic axis, µm; the ordinate the cycle time, s. Each
-//! machine has a line, straight between the computed tolerances. A dot marks each chosen tolerance, in the
+//! The abscissa is the contour tolerance on a logarithmic axis, µm or in; the ordinate the cycle time, s.
+//! Each machine has a line, straight between the computed tolerances. A dot marks each chosen tolerance, in the
 //! colour of its curve in the chart of feedrates; a broad pale line is the programmed time. The ordinate fits
 //! the data and need not begin at 0.
 
 use plotters::prelude::*;
 
-use crate::machine::{checked_tolerance, tolerance_label};
+use crate::machine::{checked_tolerance, tolerance_label_in};
 use crate::plot::Theme;
 use crate::plot::panel::{Axes, DrawError, FONT, FONT_SIZE_PT, Look, PanelContext, axis_number, borders};
 use crate::simulation::sampled::{RowsAround, rows_around};
+use crate::units::LengthUnit;
 
 /// Least and largest tolerance of the lines, mm.
 const TOLERANCE_BOUNDS_MM: (f64, f64) = (0.001, 1.0);
@@ -73,10 +74,12 @@ pub struct ToleranceFrame {
     pub x: (f64, f64),
     /// Top and bottom.
     pub y: (f64, f64),
-    /// Decimal logarithms of the tolerances (mm) at left and right.
+    /// Decimal logarithms of the tolerances at left and right, in the unit.
     pub decades: (f64, f64),
     /// Cycle times at bottom and top, s.
     pub time: (f64, f64),
+    /// Unit of the tolerances on the axis.
+    pub unit: LengthUnit,
 }
 
 impl TimeCurve {
@@ -95,20 +98,22 @@ impl TimeCurve {
 }
 
 impl ToleranceFrame {
-    /// Returns the tolerance (mm) at a pixel column, with two significant digits; `None` outside the area.
+    /// Returns the tolerance (mm) at a pixel column, with two significant digits in the unit of the axis;
+    /// `None` outside the area.
     pub fn tolerance_at(&self, x: f64) -> Option<f64> {
         let part = (x - self.x.0) / (self.x.1 - self.x.0);
         let exact = 10f64.powf(self.decades.0 + part * (self.decades.1 - self.decades.0));
         let step = 10f64.powf(exact.log10().floor() - (SIGNIFICANT_DIGITS - 1.0));
         (0.0..=1.0)
             .contains(&part)
-            .then(|| (exact / step).round() * step)
+            .then(|| self.unit.to_mm((exact / step).round() * step))
             .and_then(|t| checked_tolerance(t).ok())
     }
 
     /// Returns the pixel column of a tolerance (mm).
     pub fn x_of(&self, tolerance: f64) -> f64 {
-        let part = (tolerance.log10() - self.decades.0) / (self.decades.1 - self.decades.0);
+        let at = self.unit.from_mm(tolerance).log10();
+        let part = (at - self.decades.0) / (self.decades.1 - self.decades.0);
         self.x.0 + part * (self.x.1 - self.x.0)
     }
 
@@ -130,27 +135,29 @@ pub fn draw_tolerances<B: DrawingBackend>(
     scale: f64,
     backend: B,
 ) -> Result<ToleranceFrame, DrawError<B>> {
-    let (decades, time) = (decades(chart), times(chart));
+    let unit = theme.unit;
+    let (decades, time) = (decades(chart, unit), times(chart));
     let characters = axis_number(theme, time.1, time.1 - time.0).chars().count() + 1;
     let look = Look { theme: *theme, scale, label_characters: characters.max(5) };
     let root = backend.into_drawing_area();
     root.fill(&theme.background)?;
     let axes = Axes {
         distance: decades,
-        distance_title: Some("Contour tolerance (µm)"),
+        distance_title: Some(format!("Contour tolerance ({})", unit.fine_symbol())),
+        distance_unit_size: 1.0,
         value: time,
-        value_title: "Cycle time (s)",
+        value_title: "Cycle time (s)".to_string(),
     };
     let mut context = look.panel(&root, &axes)?;
     let borders = borders(&context);
     mesh(&look, &mut context, &axes)?;
 
+    let at = |tolerance: f64| unit.from_mm(tolerance).log10();
     let points = |size: f64| look.points(size);
     let programmed = [(decades.0, chart.programmed), (decades.1, chart.programmed)];
     context.draw_series([PathElement::new(programmed, theme.programmed.stroke_width(points(2.5)))])?;
     for (index, curve) in chart.curves.iter().enumerate().rev() {
-        let rows =
-            curve.tolerance.iter().zip(&curve.time).map(|(tolerance, &time)| (tolerance.log10(), time));
+        let rows = curve.tolerance.iter().zip(&curve.time).map(|(&tolerance, &time)| (at(tolerance), time));
         let color = if index == 0 { theme.text } else { theme.axis };
         let rows: Vec<_> = rows.collect();
         if index == 0 {
@@ -162,11 +169,11 @@ pub fn draw_tolerances<B: DrawingBackend>(
     }
     for mark in &chart.marks {
         let color = theme.curves[mark.color % theme.curves.len()];
-        let at = (mark.tolerance.log10(), mark.time);
-        context.draw_series([Circle::new(at, points(DOT_RADIUS_PT), color.filled())])?;
+        let place = (at(mark.tolerance), mark.time);
+        context.draw_series([Circle::new(place, points(DOT_RADIUS_PT), color.filled())])?;
     }
     root.present()?;
-    Ok(ToleranceFrame { x: borders.x, y: borders.y, decades, time })
+    Ok(ToleranceFrame { x: borders.x, y: borders.y, decades, time, unit })
 }
 
 /// Draws grid, axes and numbers: the abscissa has a number per decade and lines at two and five times it.
@@ -186,15 +193,20 @@ fn mesh<B: DrawingBackend>(
     }
     let font = (FONT, look.points(FONT_SIZE_PT)).into_font().color(&text);
     let number = |value: &f64| axis_number(&look.theme, *value, axes.value.1 - axes.value.0);
+    let unit = look.theme.unit;
+    let tolerance = |decade: &f64| {
+        let label = tolerance_label_in(unit, unit.to_mm(10f64.powf(*decade)));
+        label.split(' ').next().unwrap_or_default().to_string()
+    };
     let rows = f64::from(context.plotting_area().dim_in_pixel().1) / (28.0 * look.scale);
     context
         .configure_mesh()
         .x_labels((high - low).floor() as usize + 1)
         .y_labels((rows as usize).clamp(2, 12))
-        .x_label_formatter(&|decade: &f64| tolerance_label(10f64.powf(*decade)).replace(" µm", ""))
+        .x_label_formatter(&tolerance)
         .y_label_formatter(&number)
-        .x_desc(axes.distance_title.unwrap_or_default())
-        .y_desc(axes.value_title)
+        .x_desc(axes.distance_title.as_deref().unwrap_or_default())
+        .y_desc(&*axes.value_title)
         .label_style(font.clone())
         .axis_desc_style(font)
         .axis_style(axis.stroke_width(look.points(1.0)))
@@ -204,10 +216,11 @@ fn mesh<B: DrawingBackend>(
         .draw()
 }
 
-/// Returns the decimal logarithms of the least and the largest tolerance (mm) in view: whole decades.
-fn decades(chart: &ToleranceChart) -> (f64, f64) {
+/// Returns the decimal logarithms of the least and the largest tolerance in view, in a unit: whole decades.
+fn decades(chart: &ToleranceChart, unit: LengthUnit) -> (f64, f64) {
     let marks = chart.marks.iter().map(|mark| mark.tolerance);
     let (low, high) = marks.fold(TOLERANCE_BOUNDS_MM, |(low, high), at| (low.min(at), high.max(at)));
+    let (low, high) = (unit.from_mm(low), unit.from_mm(high));
     ((low.log10() + MAX_ROUNDING_DECADES).floor(), (high.log10() - MAX_ROUNDING_DECADES).ceil())
 }
 
@@ -239,11 +252,27 @@ mod tests {
     }
 
     fn svg(chart: &ToleranceChart) -> (String, ToleranceFrame) {
+        drawn(chart, &Theme::LIGHT)
+    }
+
+    fn drawn(chart: &ToleranceChart, theme: &Theme) -> (String, ToleranceFrame) {
         let mut text = String::new();
         let backend = SVGBackend::with_string(&mut text, (640, 300));
-        let frame =
-            draw_tolerances(chart, &Theme::LIGHT, 1.0, backend).expect("an SVG in memory can be drawn");
+        let frame = draw_tolerances(chart, theme, 1.0, backend).expect("an SVG in memory can be drawn");
         (text, frame)
+    }
+
+    #[test]
+    fn in_inches_the_axis_has_decades_of_an_inch() {
+        let theme = Theme { unit: LengthUnit::Inch, ..Theme::LIGHT };
+        let (text, frame) = drawn(&chart(), &theme);
+        assert!(text.contains("Contour tolerance (in)"));
+        assert_eq!(frame.decades, (-5.0, -1.0));
+        for tick in ["0.0001", "0.001", "0.01"] {
+            assert!(text.lines().any(|line| line.trim() == tick), "{tick}");
+        }
+        let at = frame.tolerance_at(frame.x_of(0.0312)).expect("inside");
+        assert_eq!(tolerance_label_in(LengthUnit::Inch, at), "0.0012 in");
     }
 
     #[test]
@@ -287,7 +316,7 @@ mod tests {
     fn what_is_pointed_at_is_what_one_would_type() {
         let (_, frame) = svg(&chart());
         let at = frame.tolerance_at(frame.x_of(0.0123)).expect("inside");
-        assert_eq!(tolerance_label(at), "12 µm");
+        assert_eq!(tolerance_label_in(LengthUnit::Millimetre, at), "12 µm");
         assert_eq!((frame.tolerance_at(frame.x.0 - 1.0), frame.tolerance_at(frame.x.1 + 1.0)), (None, None));
         let empty = svg(&ToleranceChart::default()).1;
         assert!(empty.time.0 < empty.time.1);

@@ -33,6 +33,7 @@ pub use machine::form::{
 pub use prediction::archive::{ArchiveKeys, ArchiveLine, LineBeginning, LineOwner};
 pub use prediction::results::{Prediction, ToleranceRangeRow, profile_csv, severity_word, spacing_note};
 pub use prediction::revisions::{RevisedSide, RevisionsReport};
+pub use prediction::time_losses::time_loss_texts;
 pub use prediction::time_range::range_sentence;
 pub use prediction::trust::doubt_sentence;
 pub use quote::job::{

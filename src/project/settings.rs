@@ -1,13 +1,13 @@
-//! All settings of the page in one text: machine, tolerances and terms, never a program. “Save settings”
-//! writes the text to a file, and links contain it after their `#`.
+//! All settings of the page in one text: machine, tolerances, terms and unit of length, never a program.
+//! “Save settings” writes the text to a file, and links contain it after their `#`.
 //!
 //! ```text
 //! {"truefeed": 1, "preset": "name", "machine": {key: value, …}, "tolerances_mm": [0.01], "programmed": true,
-//!  "terms": {key: value, …}}
+//!  "terms": {key: value, …}, "length_unit": "inch"}
 //! ```
 //!
-//! Machine and terms contain values that are not neutral. The reader refuses anything unknown, with the
-//! reason, so that a broken or hostile link changes nothing.
+//! Machine and terms contain values that are not neutral; a text without a unit is metric. The reader refuses
+//! anything unknown, with the reason, so that a broken or hostile link changes nothing.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -18,6 +18,7 @@ use crate::project::machine::form::values;
 use crate::project::quote::terms::{terms_from_values, terms_values};
 use crate::project::{TextFault, machine_from_form};
 use crate::quote::Terms;
+use crate::units::LengthUnit;
 
 /// Longest text of settings, bytes.
 const MAX_SETTINGS_BYTES: usize = 200_000;
@@ -46,6 +47,9 @@ pub enum SettingsError {
     /// A tolerance is invalid.
     #[error("a tolerance has a fault: {0}")]
     Tolerance(#[from] ToleranceError),
+    /// The page cannot show lengths in the unit.
+    #[error("it has lengths in {0}; the page can show metric and inch")]
+    LengthUnit(String),
     /// There are no tolerances, or more than a chart shows.
     #[error("it has {0} tolerances; the page can show 1 to {PALETTE_SIZE}")]
     Tolerances(usize),
@@ -66,6 +70,8 @@ struct Settings {
     programmed: bool,
     #[serde(default)]
     terms: Map<String, Value>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    length_unit: Option<String>,
 }
 
 /// Returns the text of settings, from a text whose machine and terms are filled forms.
@@ -79,6 +85,8 @@ pub fn settings_text(full: &str) -> Result<String, SettingsError> {
     settings.machine.retain(|key, value| neutral.get(key) != Some(value));
     let neutral = terms_values(&Terms::default());
     settings.terms.retain(|key, value| neutral.get(key) != Some(value));
+    let unit = settings.length_unit.as_deref().and_then(LengthUnit::from_word);
+    settings.length_unit.take_if(|_| unit == Some(LengthUnit::default()));
     Ok(serde_json::to_string(&settings).expect("what was read can be written"))
 }
 
@@ -114,6 +122,9 @@ fn checked(text: &str) -> Result<Settings, SettingsError> {
     for &tolerance in &settings.tolerances_mm {
         checked_tolerance(tolerance)?;
     }
+    if let Some(word) = settings.length_unit.as_ref().filter(|word| LengthUnit::from_word(word).is_none()) {
+        return Err(SettingsError::LengthUnit(word.clone()));
+    }
     let mut form = values(&Machine::default());
     form.extend(settings.machine);
     machine_from_form(&Value::Object(form.clone()).to_string()).map_err(SettingsError::Machine)?;
@@ -143,6 +154,13 @@ mod tests {
         assert!(text.len() < 600, "{text}");
         let back: Value = serde_json::from_str(&settings_from_text(&text).expect("right")).expect("JSON");
         assert_eq!(back, filled);
+        let mut inches = filled.clone();
+        inches["length_unit"] = Value::from("metric");
+        assert_eq!(settings_text(&inches.to_string()).expect("right"), text);
+        inches["length_unit"] = Value::from("inch");
+        let text = settings_text(&inches.to_string()).expect("right");
+        let back: Value = serde_json::from_str(&settings_from_text(&text).expect("right")).expect("JSON");
+        assert_eq!(back, inches);
         // A link is read as well when it is the whole.
         assert!(settings_from_text(&filled.to_string()).is_ok());
     }
@@ -169,6 +187,7 @@ mod tests {
         assert!(matches!(with("terms", serde_json::json!({"quantity": 0})), SettingsError::Terms(_)));
         assert!(matches!(with("tolerances_mm", serde_json::json!([1e9])), SettingsError::Tolerance(_)));
         assert_eq!(with("tolerances_mm", serde_json::json!([])), SettingsError::Tolerances(0));
+        assert_eq!(with("length_unit", Value::from("cubit")), SettingsError::LengthUnit("cubit".to_string()));
         assert!(
             with("terms", serde_json::json!({"quantity": 0}))
                 .to_string()

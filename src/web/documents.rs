@@ -5,16 +5,17 @@ use wasm_bindgen::prelude::*;
 use crate::plot::{svg, svg_of_view};
 use crate::project::{self, machine_from_form, machine_from_toml, machine_values, toml_from_machine};
 use crate::web::chart::Chart;
-use crate::web::theme::theme;
+use crate::web::theme::{theme, theme_of_documents};
 
 #[wasm_bindgen]
 impl Chart {
-    /// Returns the whole chart as SVG for a document, dark on white; undefined if it cannot be drawn.
+    /// Returns the whole chart as SVG for a document, dark on white and in mm; undefined if it cannot be
+    /// drawn.
     pub fn svg(&self, width: u32, height: u32) -> Option<String> {
-        svg(&self.chart, &theme(false), (width, height))
+        svg(&self.chart, &theme_of_documents(), (width, height))
     }
 
-    /// Returns the view as SVG for a document, dark on white; undefined if it cannot be drawn.
+    /// Returns the view as SVG in the unit shown, dark on white; undefined if it cannot be drawn.
     #[wasm_bindgen(js_name = svgInSight)]
     pub fn svg_in_sight(&self, width: u32, height: u32) -> Option<String> {
         svg_of_view(self.shown(), self.view, &theme(false), (width, height))

@@ -8,13 +8,16 @@ use wasm_bindgen::prelude::*;
 use crate::machine::Machine;
 use crate::plot::Programmed;
 use crate::plot::path::{SteppedCurve, Trail};
-use crate::project::{Prediction, ToleranceRangeRow, faults_to_json, machine_from_form, spacing_note};
+use crate::project::{
+    Prediction, ToleranceRangeRow, faults_to_json, machine_from_form, spacing_note, time_loss_texts,
+};
 use crate::quote::{programmed_time, quote};
 use crate::simulation::feed::Tolerances;
 use crate::simulation::gcode::Options;
 use crate::simulation::profile::Profile;
 use crate::simulation::simulate;
 use crate::simulation::toolpath::Toolpath;
+use crate::units::LengthUnit;
 use crate::web::path_of;
 use crate::web::text::ProgramText;
 
@@ -80,6 +83,7 @@ impl Job {
         let (arcs, along_arcs) = errors.arc.into_columns();
         Ok(SimulationResult {
             note: spacing_note(curve.spacing),
+            places_in_inches: time_loss_texts(&quote.lost, LengthUnit::Inch),
             summary: object(&Prediction::new("", &Toolpath::default(), self.programmed_time(), &[quote]))?,
             columns: ProfileColumns {
                 distance: curve.distance,
@@ -115,6 +119,9 @@ pub struct SimulationResult {
     pub columns: ProfileColumns,
     /// Sentence on the features that the profile leaves out; undefined if it is complete.
     pub note: Option<String>,
+    /// Texts of the places that lose most time, with lengths in inches: the summary has them in mm.
+    #[wasm_bindgen(js_name = placesInInches)]
+    pub places_in_inches: Vec<String>,
 }
 
 /// A profile over distance and its contour errors, as columns.

@@ -4,7 +4,8 @@
 //! The worker holds a [`Job`] and answers with summaries and columns; the page holds a [`Chart`] and forwards
 //! pixels. Input consists of JSON text, in which unknown fields are refused, and of numbers. Output consists
 //! of the types of [`project`]: results as objects, and columns as typed arrays, each with its own buffer, so
-//! that they can be transferred. JavaScript does not convert units or scales.
+//! that they can be transferred. JavaScript does not convert units or scales, but writes lengths in inches
+//! if the user wants that, by the factor in the machine form.
 //!
 //! Two WebAssembly modules are built from this code: the whole, and with `--cfg first_visit` the part that
 //! the first chart needs. Meanwhile the page fetches the whole module, which does everything else.
@@ -52,13 +53,16 @@ mod program_path;
 use wasm_bindgen::prelude::*;
 
 use crate::identification::recording;
-use crate::machine::{Machine, USUAL_TOLERANCES_MM, deviation_label, tolerance_from_text, tolerance_label};
+use crate::machine::{
+    Machine, USUAL_TOLERANCES_MM, deviation_label, tolerance_from_text, tolerance_label, tolerance_label_in,
+};
 use crate::plot::PALETTE_SIZE;
 use crate::project::{self, FileKind, faults_to_json, machine_from_form, motion_of_machine};
 use crate::quote;
 use crate::simulation::gcode::Options;
 use crate::simulation::interpreter;
 use crate::simulation::toolpath::Toolpath;
+use crate::web::theme::length_unit;
 
 /// Returns the path of a program on a machine.
 #[cfg(not(first_visit))]
@@ -135,16 +139,22 @@ pub fn tolerance_from(text: &str) -> Result<f64, String> {
     tolerance_from_text(text).map_err(|error| error.to_string())
 }
 
-/// Formats a tolerance (mm).
+/// Formats a tolerance (mm) as documents have it, which also tells it from others.
 #[wasm_bindgen(js_name = toleranceLabel)]
 pub fn label_of_tolerance(tolerance: f64) -> String {
     tolerance_label(tolerance)
 }
 
-/// Formats a distance from the path (mm).
+/// Formats a tolerance (mm) in the unit shown.
+#[wasm_bindgen(js_name = toleranceShown)]
+pub fn shown_tolerance(tolerance: f64) -> String {
+    tolerance_label_in(length_unit(), tolerance)
+}
+
+/// Formats a distance from the path (mm) in the unit shown.
 #[wasm_bindgen(js_name = deviationLabel)]
 pub fn label_of_deviation(deviation: f64) -> String {
-    deviation_label(deviation)
+    deviation_label(length_unit(), deviation)
 }
 
 /// Formats a time lost (s).

@@ -9,6 +9,7 @@ use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement, ImageData};
 use crate::plot::Programmed;
 use crate::plot::path::{self, Camera, Coloring, Drawing, Light, Raster, Scene, Sheet, SteppedCurve, Trail};
 use crate::units::mm_per_min;
+use crate::web::theme::length_unit;
 
 /// Width of lines, CSS pixels.
 const LINE_WIDTH_PX: f64 = 2.0;
@@ -198,7 +199,7 @@ impl PathView {
                 marked: self.marked,
                 inks: &path::ink(&shades, false),
                 ends: [first, last],
-                length: (self.camera.round_length(), scale),
+                length: (self.camera.round_length(length_unit()), scale),
             },
         )
     }
@@ -268,9 +269,9 @@ impl PathView {
         (0..3).flat_map(|k| [right[k], -up[k]]).collect()
     }
 
-    /// Returns a round length for a scale bar, mm, and its number of pixels.
+    /// Returns a length for a scale bar (mm), round in the unit shown, and its number of pixels.
     pub fn scale(&self) -> Vec<f64> {
-        let length = self.camera.round_length();
+        let length = self.camera.round_length(length_unit());
         vec![length, length * self.camera.scale]
     }
 

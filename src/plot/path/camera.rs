@@ -13,6 +13,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::plot::path::Scene;
+use crate::units::LengthUnit;
 
 /// A direction of view and its target.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,15 +124,12 @@ impl Camera {
         Camera { scale: self.scale * ratio, size: (self.size.0 * ratio, self.size.1 * ratio), ..*self }
     }
 
-    /// Returns a round length (mm) of at most about 80 pixels.
-    pub fn round_length(&self) -> f64 {
-        let longest = 80.0 / self.scale;
+    /// Returns a length (mm) of at most about 80 pixels that is round in a unit.
+    pub fn round_length(&self, unit: LengthUnit) -> f64 {
+        let longest = unit.from_mm(80.0 / self.scale);
         let power = 10f64.powf(longest.log10().floor());
-        [5.0, 2.0, 1.0]
-            .into_iter()
-            .map(|step| step * power)
-            .find(|&length| length <= longest)
-            .unwrap_or(power)
+        let round = [5.0, 2.0, 1.0].into_iter().map(|step| step * power).find(|&length| length <= longest);
+        unit.to_mm(round.unwrap_or(power))
     }
 }
 

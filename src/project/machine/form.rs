@@ -1,4 +1,5 @@
-//! The machine as a form: the parameter table as JSON for the page, and the filled form back.
+//! The machine as a form: the parameter table as JSON for the page, with the units in which it can show
+//! lengths, and the filled form back.
 //!
 //! A filled form is a flat object, `{"interpolator.filters": 3, "rapid.feed_mm_min": null, …}`;
 //! a field left empty is null or absent.
@@ -12,12 +13,26 @@ use crate::project::machine::written::{
 };
 use crate::project::{TextFault, VERSION, motion_of_machine};
 use crate::simulation::gcode::{ArcCenters, Dialect};
+use crate::units::LengthUnit;
 
 #[derive(Serialize)]
 struct MachineForm {
     fields: Vec<FormField>,
     presets: Vec<PresetRow>,
+    lengths: [LengthUnitRow; 2],
     version: &'static str,
+}
+
+/// A unit in which the page can show lengths and feedrates.
+#[derive(Serialize)]
+struct LengthUnitRow {
+    word: &'static str,
+    symbol: &'static str,
+    feed_symbol: &'static str,
+    /// Length of the unit.
+    in_mm: f64,
+    decimals: usize,
+    feed_decimals: usize,
 }
 
 /// One parameter as a form field.
@@ -120,7 +135,7 @@ pub fn arc_centers() -> String {
     serde_json::Value::from(named.to_vec()).to_string()
 }
 
-/// Returns the parameter table and the presets as JSON text.
+/// Returns the parameter table, the presets and the units of length as JSON text.
 pub fn form() -> String {
     let neutral = values(&Machine::default());
     let fields = PARAMETERS.iter().map(|row| {
@@ -146,7 +161,16 @@ pub fn form() -> String {
         caveat: preset.caveat,
         values: values(&preset.machine),
     });
-    let form = MachineForm { fields: fields.collect(), presets: presets.collect(), version: VERSION };
+    let lengths = LengthUnit::WORDS.map(|(word, unit)| LengthUnitRow {
+        word,
+        symbol: unit.symbol(),
+        feed_symbol: unit.feed_symbol(),
+        in_mm: unit.in_mm(),
+        decimals: unit.decimals(),
+        feed_decimals: unit.feed_decimals(),
+    });
+    let form =
+        MachineForm { fields: fields.collect(), presets: presets.collect(), lengths, version: VERSION };
     serde_json::to_string(&form).expect("text and finite numbers have a JSON form")
 }
 

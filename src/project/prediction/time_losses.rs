@@ -1,11 +1,12 @@
-//! Time losses as JSON with texts: a part of `predict --json` that the page lists.
+//! Time losses as JSON with texts: a part of `predict --json` that the page lists, in inches if the user
+//! wants that.
 
 use serde::Serialize;
 
-use crate::machine::tolerance_label;
+use crate::machine::tolerance_label_in;
 use crate::quote::{self, LossReason, StopReason};
 use crate::simulation::toolpath::StopCause;
-use crate::units::mm_per_min;
+use crate::units::LengthUnit;
 
 /// The time that one run loses against length over feedrate.
 #[derive(Clone, Debug, Serialize)]
@@ -41,12 +42,17 @@ impl From<&quote::TimeLoss> for TimeLossRow {
     fn from(place: &quote::TimeLoss) -> TimeLossRow {
         TimeLossRow {
             reason: word(&place.reason),
-            text: text(&place.reason),
+            text: text(&place.reason, LengthUnit::Millimetre),
             lines: [place.lines.0.0, place.lines.1.0],
             distance_mm: [place.distance.0, place.distance.1],
             seconds: place.seconds,
         }
     }
+}
+
+/// Returns the texts of the places that lose most, with lengths in a unit.
+pub fn time_loss_texts(lost: &quote::LostTimes, unit: LengthUnit) -> Vec<String> {
+    lost.places.iter().map(|place| text(&place.reason, unit)).collect()
 }
 
 fn word(reason: &LossReason) -> &'static str {
@@ -67,19 +73,21 @@ fn word(reason: &LossReason) -> &'static str {
     }
 }
 
-fn text(reason: &LossReason) -> String {
+fn text(reason: &LossReason, unit: LengthUnit) -> String {
     let count = |number: usize, one: &str, many: &str| match number {
         1 => one.to_string(),
         _ => format!("{number} {many}"),
     };
     match reason {
         LossReason::Corner { turn, tolerance } => {
-            format!("{:.0}° corner at {}", turn.to_degrees(), tolerance_label(*tolerance))
+            format!("{:.0}° corner at {}", turn.to_degrees(), tolerance_label_in(unit, *tolerance))
         }
         LossReason::ShortBlocks { blocks } => count(*blocks, "short block", "short blocks"),
         LossReason::Limit { feedrate, programmed, is_arc } => {
             let what = if *is_arc { "arc" } else { "feedrate" };
-            format!("{what} slowed to {:.0} of {:.0} mm/min", mm_per_min(*feedrate), mm_per_min(*programmed))
+            let (decimals, symbol) = (unit.feed_decimals(), unit.feed_symbol());
+            let [slowed, asked] = [*feedrate, *programmed].map(|feedrate| unit.feedrate(feedrate));
+            format!("{what} slowed to {slowed:.decimals$} of {asked:.decimals$} {symbol}")
         }
         LossReason::Acceleration => "acceleration limit".to_string(),
         LossReason::Ramp(StopReason::Begin) => "ramp at the beginning".to_string(),
@@ -105,5 +113,18 @@ fn of_cause(cause: &StopCause) -> String {
         StopCause::Spindle { code: Some(code), .. } => format!("spindle, M{code}"),
         StopCause::Spindle { code: None, .. } => "spindle speed".to_string(),
         StopCause::MCode { code } => format!("M{code}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_is_told_in_the_unit_shown() {
+        // 2540 of 5080 mm/min.
+        let reason = LossReason::Limit { feedrate: 127.0 / 3.0, programmed: 254.0 / 3.0, is_arc: true };
+        assert_eq!(text(&reason, LengthUnit::Millimetre), "arc slowed to 2540 of 5080 mm/min");
+        assert_eq!(text(&reason, LengthUnit::Inch), "arc slowed to 100.0 of 200.0 in/min");
     }
 }
