@@ -2,6 +2,7 @@
 
 import { columnLabel } from './columns.js'
 import { make } from './dom.js'
+import { lengthWord } from './format.js'
 
 /** @import { Column } from "./types.js" */
 
@@ -9,6 +10,7 @@ import { make } from './dom.js'
 export function mountTolerance(select, changed) {
   /** @type {Column[]} */
   let columns = []
+  let unit = ''
   /** What was chosen by hand; undefined: nothing. @type {Column | undefined} */
   let chosen
 
@@ -22,9 +24,10 @@ export function mountTolerance(select, changed) {
     column: () => columns[select.selectedIndex],
     /** Offers tolerances. @param {Column[]} offered @param {Column} quoted */
     update(offered, quoted) {
-      const isSame = offered.length === columns.length && offered.every((column, index) => column === columns[index])
+      const isSame = unit === lengthWord() && offered.length === columns.length && offered.every((column, index) => column === columns[index])
       if (!isSame) select.replaceChildren(...offered.map((column) => make('option', {}, columnLabel(column))))
       columns = offered
+      unit = lengthWord()
       if (chosen !== undefined && !columns.includes(chosen)) chosen = undefined
       select.selectedIndex = Math.max(columns.indexOf(chosen ?? quoted), 0)
     },

@@ -1,6 +1,6 @@
 // The columns of the results: the program's own tolerances where it sets any, then those of the user.
 
-import { toleranceLabel } from './labels.js'
+import { toleranceKey, toleranceLabel } from './labels.js'
 import { say } from './texts.js'
 
 /** @import { Filled } from "./plot.js" */
@@ -8,6 +8,9 @@ import { say } from './texts.js'
 
 /** What a column is called. @param {Column} column */
 export const columnLabel = (column) => (column === null ? say.charts.asProgrammed : toleranceLabel(column))
+
+/** What a column is called in documents and in what is kept, whatever unit is shown. @param {Column} column */
+export const columnKey = (column) => (column === null ? say.charts.asProgrammed : toleranceKey(column))
 
 /** The tolerance that an operation has of its own; undefined: that of the job, which also holds where a program sets none. @param {Program | undefined} program @returns {Column | undefined} */
 function ownColumn(program) {
@@ -40,7 +43,7 @@ export function quotedColumn(state, program) {
   const own = ownColumn(program)
   if (own !== undefined) return own
   const columns = columnsOf(state, program)
-  return columns.find((column) => columnLabel(column) === state.quoted) ?? columns[0]
+  return columns.find((column) => columnKey(column) === state.quoted) ?? columns[0]
 }
 
 /** Whether what is made is more than a program that is run part by part. @param {Pick<State, "programs" | "fixture">} state */
@@ -56,12 +59,12 @@ export function cycleOf(state, program) {
 /** Whether there is nothing to compute: no move, and no time without one. @param {Outcome | null | undefined} outcome */
 export const isStill = (outcome) => Boolean(outcome && outcome.steps.end.length === 0 && outcome.summary.programmed_time_s === 0)
 
-/** Puts a column in a chart, as a curve that is empty until it is filled. @param {Filled} chart @param {Column} column @param {Held[]} held  the program's own tolerances */
-export function addCurve(chart, column, held) {
+/** Puts a column in a chart, as a curve that is empty until it is filled. @param {Filled} chart @param {Column} column @param {Held[]} held  the program's own tolerances @param {string} [label] */
+export function addCurve(chart, column, held, label = columnLabel(column)) {
   const parts = column === null ? held : [{ distance_mm: [0, Infinity], tolerance_mm: column }]
   const [from, to] = [0, 1].map((end) => Float64Array.from(parts, ({ distance_mm: ends }) => ends[end]))
   chart.add(
-    columnLabel(column),
+    label,
     from,
     to,
     Float64Array.from(parts, ({ tolerance_mm: tolerance }) => tolerance),

@@ -91,7 +91,7 @@ export class Engine {
     await this.#run('simulate', request, (data) => {
       if (data.type === 'stage') listener.stage(data.stage, data.part, data.name)
       else if (data.type === 'program') listener.program(data.summary, data.steps, data.held, data.trail)
-      else listener.run(data.column, { summary: data.summary, columns: data.columns, note: data.note })
+      else listener.run(data.column, { summary: data.summary, columns: data.columns, note: data.note, placesInInches: data.placesInInches })
     })
   }
 

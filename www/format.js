@@ -1,4 +1,7 @@
-// Numbers and durations as people read them: texts are English, numbers are written as the browser's language does.
+// Numbers, lengths and durations as people read them: texts are English, numbers are written as the browser's language does. Lengths
+// are converted here alone, into the unit that is chosen, as Rust describes it.
+
+/** @import { LengthUnit } from "./types.js" */
 
 /** A language with the digits 0 to 9, which the charts have and all inputs take. @param {string} language */
 const inDigits = (language) => new Intl.Locale(language || 'en', { numberingSystem: 'latn' })
@@ -79,11 +82,37 @@ function currencyFormat(code, count) {
 /** An amount in a currency, as the browser's language writes it: €1,325.00. @param {number} value @param {string} currency  a code such as EUR, or any word @param {number} count  decimals */
 export const priced = (value, currency, count) => currencyFormat(currency, count)?.format(value) ?? `${amount(value, count)} ${currency}`.trim()
 
-/** A feedrate in mm/min. @param {number} value */
-export const feedrate = (value) => `${none.format(value)} mm/min`
+/** The unit in which lengths are shown. @type {LengthUnit} */
+let unit
+let [lengths, feedrates] = [two, none]
 
-/** A length in mm. @param {number} value */
-export const millimetres = (value) => `${two.format(value)} mm`
+/** Shows lengths in a unit from now on. @param {LengthUnit} chosen */
+export function showLengthsIn(chosen) {
+  unit = chosen
+  lengths = decimals(unit.decimals)
+  feedrates = decimals(unit.feed_decimals)
+}
+
+/** The word of that unit, which Rust asks for as well. */
+export const lengthWord = () => unit.word
+
+/** The symbols of lengths and of feedrates. */
+export const lengthSymbols = () => [unit.symbol, unit.feed_symbol]
+
+/** A length as a number in the unit shown. @param {number} value  mm */
+export const inLengthUnit = (value) => value / unit.in_mm
+
+/** A feedrate without its unit. @param {number} value  mm/min */
+export const feedNumber = (value) => feedrates.format(inLengthUnit(value))
+
+/** A feedrate. @param {number} value  mm/min */
+export const feedrate = (value) => `${feedNumber(value)} ${unit.feed_symbol}`
+
+/** A length. @param {number} value  mm */
+export const lengthLabel = (value) => `${lengths.format(inLengthUnit(value))} ${unit.symbol}`
+
+/** A round length, as that of a scale. @param {number} value  mm */
+export const roundLength = (value) => `${four.format(inLengthUnit(value))} ${unit.symbol}`
 
 /** A number in about three figures. @param {number} value */
 export const number = (value) => (Math.abs(value) < 10 ? two : Math.abs(value) < 1000 ? one : none).format(value)

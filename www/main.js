@@ -1,13 +1,13 @@
 // Starts the page: reads what was kept, mounts the panels, has work done and tells the panels what changed.
 
-import init, { arcCenters, dialects, form as formOfModule, mostCurves, setNumbers, termsForm, usualTolerances } from './pkg/truefeed.js'
+import init, { arcCenters, dialects, form as formOfModule, mostCurves, setLengthUnit, setNumbers, termsForm, usualTolerances } from './pkg/truefeed.js'
 import { isJob, isStill, programInSight, quotedColumn } from './columns.js'
 import { confinedWorker } from './confined.js'
 import { fillTexts } from './dom.js'
 import { drawn } from './drawing.js'
 import { firstModule, wholeModule } from './module.js'
 import { Engine } from './engine.js'
-import { axis } from './format.js'
+import { axis, lengthWord, showLengthsIn } from './format.js'
 import { loadOpen, saveOpen } from './kept.js'
 import { loadMachines, saveMachines } from './machines.js'
 import * as barPanel from './panels/bar.js'
@@ -52,6 +52,7 @@ window.addEventListener('unhandledrejection', ({ reason }) => fail(say.work.wron
 const first = await firstModule()
 await init({ module_or_path: first.module })
 setNumbers(axis)
+setLengthUnit(lengthWord)
 const engine = new Engine(first, confinedWorker, wholeModule)
 
 /** @type {Form} */
@@ -61,6 +62,7 @@ element('version').textContent = form.version
 const termFields = JSON.parse(termsForm())
 const keptOpen = await loadOpen()
 const store = new Store(await begun(), form, termFields, heard)
+showLengths()
 const { state } = store
 if (keptOpen.diagnosis) state.diagnosis = (await import('./stored.js')).diagnosisOf(keptOpen, state)
 let timer = 0
@@ -83,6 +85,7 @@ async function begun() {
     programmed: settings.programmed ?? true,
     quoted: settings.quoted ?? '',
     terms: settings.terms ?? {},
+    lengthUnit: settings.lengthUnit ?? form.lengths[0].word,
     job: keptOpen.job,
     fixture: keptOpen.fixture,
     letter: keptOpen.letter,
@@ -92,6 +95,11 @@ async function begun() {
     sample,
     beforeSettings: before,
   }
+}
+
+/** Shows lengths in the unit that is chosen. */
+function showLengths() {
+  showLengthsIn(form.lengths.find(({ word }) => word === store.now.lengthUnit) ?? form.lengths[0])
 }
 
 /** What is asked of the document, and what passes without leaving a trace in it. */
@@ -183,6 +191,7 @@ function heard(before, motion) {
     return program && [program.dialect, program.machine?.values].map((one) => JSON.stringify(one)).join()
   }
   if (motion !== state.machine.motion || (running && reads(before) !== reads(now))) engine.cancel()
+  if (before.lengthUnit !== now.lengthUnit) showLengths()
   if (before.kept !== now.kept) saveMachines(now.kept)
   if (before.beforeSettings !== now.beforeSettings) saveBefore(now.beforeSettings)
   saveSettings({
@@ -194,6 +203,7 @@ function heard(before, motion) {
     company: now.company,
     beside: now.beside ?? undefined,
     quoted: now.quoted,
+    lengthUnit: now.lengthUnit,
   })
   if (CONCERN.some((key) => before[key] !== now[key])) changed()
   else update()
@@ -227,7 +237,7 @@ const work = workOn(state, engine, {
   now: machineOf.inForm,
   take: machineOf.take,
 })
-const exchange = settingsPanel.mount(element('settings'), element('notice'), actions)
+const exchange = settingsPanel.mount(element('settings'), element('notice'), form.lengths, actions)
 const machine = machinePanel.mount(element('machine'), form, actions)
 const tolerances = tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions)
 /** @type {{update(state: State): void}[]} */

@@ -1,10 +1,10 @@
-// What the page remembers between visits: the machine, the tolerances and the terms of the quote, never a program.
+// What the page remembers between visits: the machine, the tolerances, the terms of the quote and the unit of lengths, never a program.
 
 /** @import { Before, Form, Parameter, Values } from "./types.js" */
 
 export const KEY = 'truefeed.settings.1'
 
-/** @typedef {{programmed?: boolean, tolerances?: number[], preset?: string, values?: Values, terms?: Values, company?: Values, beside?: string, quoted?: string}} Settings */
+/** @typedef {{programmed?: boolean, tolerances?: number[], preset?: string, values?: Values, terms?: Values, company?: Values, beside?: string, quoted?: string, lengthUnit?: string}} Settings */
 
 /** Where the settings are that a link or file took the place of, until the user wants them back or not. */
 export const BEFORE = 'truefeed.settings.before.1'

@@ -38,12 +38,12 @@ function fitted(fields, values) {
 /**
  * Settings without what has another shape than it should.
  * @param {unknown} kept
- * @param {Parameter[]} fields  of the machine
+ * @param {Pick<Form, "fields" | "lengths">} form  of the machine
  * @param {Parameter[]} termFields  of the quote
  * @param {number} most  tolerances
  * @returns {any}
  */
-function settingsIn(kept, fields, termFields, most) {
+function settingsIn(kept, { fields, lengths }, termFields, most) {
   if (!isRecord(kept)) return {}
   const { tolerances } = kept
   const areTolerances = Array.isArray(tolerances) && 0 < tolerances.length && tolerances.length < most && tolerances.every((one) => Number.isFinite(one) && 0 < one)
@@ -53,6 +53,7 @@ function settingsIn(kept, fields, termFields, most) {
     ...['preset', 'beside', 'quoted', 'start'].map((key) => [key, kept[key], typeof kept[key] === 'string']),
     ['programmed', kept.programmed, typeof kept.programmed === 'boolean'],
     ['tolerances', tolerances, areTolerances],
+    ['lengthUnit', kept.lengthUnit, lengths.some(({ word }) => word === kept.lengthUnit)],
     ['company', kept.company, isRecord(kept.company)],
     ['values', values, Object.keys(values).length > 0],
     ['terms', terms, Object.keys(terms).length > 0],
@@ -77,9 +78,9 @@ function parsed(key) {
  * @param {number} most  tolerances
  * @returns {{settings: Settings, before: Before | null}}
  */
-export function remembered({ fields, presets }, termFields, most) {
-  for (const preset of presets) if (preset.kept) preset.values = fitted(fields, preset.values)
-  const [settings, before] = [KEY, BEFORE].map((key) => settingsIn(parsed(key), fields, termFields, most))
+export function remembered(form, termFields, most) {
+  for (const preset of form.presets) if (preset.kept) preset.values = fitted(form.fields, preset.values)
+  const [settings, before] = [KEY, BEFORE].map((key) => settingsIn(parsed(key), form, termFields, most))
   return { settings, before: before.values && before.tolerances ? before : null }
 }
 

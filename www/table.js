@@ -1,7 +1,7 @@
 // The table behind a chart: what is in sight in rows, for those who do not see the chart or want its numbers.
 
 import { make, scroll } from './dom.js'
-import { amount, count } from './format.js'
+import { amount, feedNumber, inLengthUnit, lengthSymbols } from './format.js'
 import { deviationLabel } from './labels.js'
 import { say } from './texts_later.js'
 
@@ -10,26 +10,28 @@ import { say } from './texts_later.js'
 /** @param {Chart} chart @param {string} caption */
 export function tableOf(chart, caption) {
   const isOverTime = chart.isOverTime()
+  const inUnit = (/** @type {number} */ at) => (isOverTime ? at : inLengthUnit(at))
+  const [length, perMinute] = lengthSymbols()
   const labels = chart.labels()
   const rows = chart.table()
   const place = written(
-    rows.map(({ to }) => to),
+    rows.map(({ to }) => inUnit(to)),
     isOverTime ? ' s' : '',
   )
   const lateness = written(
     rows.flatMap(({ lost, lostAfter }) => [lost, lostAfter]).filter((value) => value !== undefined),
     ' s',
   )
-  const range = (/** @type {ArrayLike<number>} */ pair, write = count) => (pair.length > 0 ? between(write(pair[0]), write(pair[1])) : '–')
+  const range = (/** @type {ArrayLike<number>} */ pair, write = feedNumber) => (pair.length > 0 ? between(write(pair[0]), write(pair[1])) : '–')
   const told = (/** @type {number | undefined} */ value, /** @type {(value: number) => string} */ write) => (value === undefined ? '–' : write(value))
   const hasErrors = labels.map((_, index) => rows.some(({ curves }) => curves[index].error !== undefined))
   const hasLost = rows.some(({ lost }) => lost !== undefined)
   const hasAfter = rows.some(({ lostAfter }) => lostAfter !== undefined)
   const titles = [
-    isOverTime ? say.common.time : say.charts.inMillimetres,
+    isOverTime ? say.common.time : say.charts.distanceIn(length),
     say.common.lines,
-    say.charts.inMinutes(say.common.programmed),
-    ...labels.flatMap((label, index) => [say.charts.inMinutes(label), ...(hasErrors[index] ? [say.charts.errorOf(label)] : [])]),
+    say.charts.inMinutes(say.common.programmed, perMinute),
+    ...labels.flatMap((label, index) => [say.charts.inMinutes(label, perMinute), ...(hasErrors[index] ? [say.charts.errorOf(label)] : [])]),
     ...(hasLost ? [say.charts.lost] : []),
     ...(hasAfter ? [say.charts.lostAfter] : []),
   ]
@@ -41,7 +43,7 @@ export function tableOf(chart, caption) {
     }
     if (hasLost) cells.push(told(lost, lateness))
     if (hasAfter) cells.push(told(lostAfter, lateness))
-    const head = make('th', { scope: 'row' }, between(place(from), place(to)))
+    const head = make('th', { scope: 'row' }, between(place(inUnit(from)), place(inUnit(to))))
     return make('tr', {}, head, ...cells.map((cell) => make('td', {}, cell)))
   })
   const head = make('tr', {}, ...titles.map((title) => make('th', { scope: 'col' }, title)))

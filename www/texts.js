@@ -121,7 +121,9 @@ export const say = {
   },
   settings: {
     settings: 'Settings',
-    whatTheyHold: 'A link or file holds the machine, the tolerances and the price terms, never a program. A link keeps them after its #, a part that browsers do not send.',
+    unitsShown: 'Units shown',
+    units: 'Metric|Inch',
+    whatTheyHold: 'A link or file holds the machine, the tolerances, the price terms and the units, never a program. A link keeps them after its #, a part that browsers do not send.',
     copyLink: 'Copy link',
     saveSettings: 'Save settings',
     openSettings: 'Open settings',

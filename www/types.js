@@ -87,7 +87,7 @@
  * A profile over distance (mm, mm/s, s), and the contour errors of its segments (mm).
  * @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array, corner: Float64Array, arcs: Uint32Array, alongArcs: Float64Array, paceEnd: Float64Array, paceFeedrate: Float64Array}} Columns
  */
-/** The note says what the columns leave out. @typedef {{summary: RunSummary, columns: Columns, note?: string}} Run */
+/** The note says what the columns leave out; the texts of places that lose time, in inches. @typedef {{summary: RunSummary, columns: Columns, note?: string, placesInInches: string[]}} Run */
 /** A contour tolerance in mm; null for the program's own. @typedef {number | null} Column */
 
 /**
@@ -151,7 +151,8 @@
  */
 
 /** A machine to begin with; `kept` in this browser. @typedef {{name: string, source: string, caveat: string, values: Values, kept?: boolean}} Preset */
-/** @typedef {{fields: Parameter[], presets: Preset[], version: string}} Form */
+/** A unit in which lengths and feedrates can be shown. @typedef {{word: string, symbol: string, feed_symbol: string, in_mm: number, decimals: number, feed_decimals: number}} LengthUnit */
+/** @typedef {{fields: Parameter[], presets: Preset[], lengths: LengthUnit[], version: string}} Form */
 
 /**
  * The form as it is filled now.
@@ -279,7 +280,7 @@
  * @property {string | null} failure  why the last comparison of it ended
  */
 
-/** What was in the form before a calibration, or with `programmed` and `terms` before settings from elsewhere. `start`: the machine to begin with. @typedef {{start?: string, values: Values, tolerances: number[], quoted?: string, programmed?: boolean, terms?: Values}} Before */
+/** What was in the form before a calibration, or with `programmed`, `terms` and `lengthUnit` before settings from elsewhere. `start`: the machine to begin with. @typedef {{start?: string, values: Values, tolerances: number[], quoted?: string, programmed?: boolean, terms?: Values, lengthUnit?: string}} Before */
 
 /** @typedef {{quantity: number, unit_price: number, total: number, unit_price_range: [number, number] | null, total_range: [number, number] | null}} OfferBatch */
 /** @typedef {{line: number | null, tool: number | null, name: string, time_s: number, amount: number}} OfferShare */
@@ -320,6 +321,7 @@
  * @property {number[]} tolerances  mm, ascending
  * @property {MachineForm} machine
  * @property {{values: Values, faults: Fault[]}} terms  of the quote
+ * @property {string} lengthUnit  the word of the unit in which lengths are shown
  * @property {Before | null} beforeSettings  what settings from a link or file took the place of
  * @property {Recording[]} recordings
  * @property {number | null} recording  the one in sight

@@ -1,7 +1,7 @@
 // The whole module on the page, beside the one of the first visit: fetched when it is first asked for, by what can wait.
 
 import { wholeModule } from './module.js'
-import { axis } from './format.js'
+import { axis, lengthWord } from './format.js'
 
 /** @typedef {typeof import("./pkg/truefeed_whole.js")} Whole */
 
@@ -22,5 +22,6 @@ async function load() {
   const [script, { module }] = await Promise.all([import('./pkg/truefeed_whole.js'), wholeModule()])
   await script.default({ module_or_path: module })
   script.setNumbers(axis)
+  script.setLengthUnit(lengthWord)
   return script
 }

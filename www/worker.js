@@ -60,7 +60,7 @@ async function simulate({ program, machine, dialect, columns, labels, runsOnly }
     const run = job.simulate(column ?? undefined, progress)
     const curve = plain(run.columns, [...CURVE])
     const { runs, trust } = run.summary
-    post({ type: 'run', column, summary: { ...runs[0], trust }, columns: curve, note: run.note }, Object.values(curve))
+    post({ type: 'run', column, summary: { ...runs[0], trust }, columns: curve, note: run.note, placesInInches: run.placesInInches }, Object.values(curve))
     run.free()
   }
   job.free()

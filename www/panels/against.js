@@ -278,7 +278,7 @@ export function mount(root, engine, form, actions) {
       { program: before.file, machine: machineText(other, before), dialect: before.dialect, tolerance: taken.column },
       { program: program.file, machine: JSON.stringify(machineOf(now, program).values), dialect: program.dialect, tolerance: quotedColumn(now, program) },
     ]
-    const key = JSON.stringify([chosen, program.id, sides, pair])
+    const key = JSON.stringify([chosen, program.id, sides, pair, now.lengthUnit])
     if (found?.key === key) return
     revisions.empty(say.common.computing)
     run(key, async () => {

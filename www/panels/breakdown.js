@@ -3,7 +3,7 @@
 import { mountTolerance } from '../at_tolerance.js'
 import { columnLabel, columnsOf, machineOf, quotedColumn } from '../columns.js'
 import { find, make, scroll } from '../dom.js'
-import { count, difference, millimetres, number, seconds } from '../format.js'
+import { count, difference, lengthLabel, number, seconds } from '../format.js'
 import { namedIn, plain } from '../operations.js'
 import { say } from '../texts_later.js'
 
@@ -40,8 +40,8 @@ const COLUMNS = [
   [say.common.dwell, ({ breakdown }) => breakdown.dwell_s, seconds],
   [say.common.toolChange, ({ breakdown }) => breakdown.tool_change_s, seconds],
   [say.common.other, ({ breakdown }) => breakdown.other_s, seconds],
-  [say.breakdown.feedPath, ({ feed_mm }) => feed_mm, millimetres],
-  [say.breakdown.rapidPath, ({ rapid_mm }) => rapid_mm, millimetres],
+  [say.breakdown.feedPath, ({ feed_mm }) => feed_mm, lengthLabel],
+  [say.breakdown.rapidPath, ({ rapid_mm }) => rapid_mm, lengthLabel],
   [say.breakdown.blocks, ({ blocks }) => blocks, count],
 ]
 
@@ -70,6 +70,7 @@ export function mount(root, actions) {
   let cut = null
   /** @type {Column | undefined} */
   let quotedBefore
+  let unitBefore = ''
   /** @type {Program | undefined} */
   let program
 
@@ -118,10 +119,18 @@ export function mount(root, actions) {
       root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== machineOf(state).motion)
       const cutNow = cutOf(state)
       const quoted = quotedColumn(state, program)
-      if (now.length === shown.length && now.every((one, index) => one.run === shown[index].run && one.index === shown[index].index) && cut === cutNow && quoted === quotedBefore) return
+      if (
+        now.length === shown.length &&
+        now.every((one, index) => one.run === shown[index].run && one.index === shown[index].index) &&
+        cut === cutNow &&
+        quoted === quotedBefore &&
+        state.lengthUnit === unitBefore
+      )
+        return
       cut = cutNow
       shown = now
       quotedBefore = quoted
+      unitBefore = state.lengthUnit
       kinds.replaceChildren(kindsTable(shown))
       at.update(
         shown.map(({ column }) => column),

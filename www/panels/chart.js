@@ -3,7 +3,7 @@
 import { Chart, mostCurves } from '../pkg/truefeed.js'
 import { addCurve, columnsOf, machineOf, quotedColumn } from '../columns.js'
 import { find, make } from '../dom.js'
-import { clock, count, feedrate, millimetres, seconds } from '../format.js'
+import { clock, feedNumber, feedrate, lengthLabel, seconds } from '../format.js'
 import { deviationLabel } from '../labels.js'
 import { namedIn, operationAt, operationTitle, toolTitle } from '../operations.js'
 import { mountPlot } from '../plot.js'
@@ -100,7 +100,7 @@ export function mount(root) {
       empty.textContent = state.progress ? say.common.computing : say.common.notComputed
       canvas.hidden = !outcome
       root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== machineOf(state).motion)
-      const now = [program, program?.found, outcome, quoted, ...columns, ...runs]
+      const now = [state.lengthUnit, program, program?.found, outcome, quoted, ...columns, ...runs]
       if (now.length === filled.length && now.every((value, index) => value === filled[index])) return
       filled = now
       plot.hide()
@@ -134,12 +134,12 @@ function words({ distance, line, programmed, rapid, curves }, program, operation
 }
 
 /** The least and the largest where a mean is shown. @param {Float64Array} range  mm/min */
-export const rangeOf = (range) => (range.length > 0 ? make('span', { className: 'range' }, say.charts.mean(count(range[0]), count(range[1]))) : '')
+export const rangeOf = (range) => (range.length > 0 ? make('span', { className: 'range' }, say.charts.mean(feedNumber(range[0]), feedNumber(range[1]))) : '')
 
 /** Where it is and what is programmed there. @param {number} distance @param {number | undefined} programmed @param {boolean} rapid */
 export function headOf(distance, programmed, rapid) {
   const asked = programmed === undefined ? '' : ` · ${rapid ? say.chart.rapid(feedrate(programmed)) : say.chart.programmed(feedrate(programmed))}`
-  return make('p', {}, make('strong', {}, millimetres(distance)), asked)
+  return make('p', {}, make('strong', {}, lengthLabel(distance)), asked)
 }
 
 /** The line of the program, with its number. @param {number | undefined} line @param {Program | undefined} program */

@@ -73,6 +73,9 @@ export function mount(root, engine, actions) {
   let filled
   /** What the result in sight belongs to. @type {string | undefined} */
   let shown
+  /** That result. @type {CutResult | null} */
+  let computed = null
+  let unit = ''
   /** @type {LoadPicture | null} */
   let picture = null
   /** How the teeth are fed. @type {ReturnType<typeof fedAlong> | undefined} */
@@ -198,6 +201,7 @@ export function mount(root, engine, actions) {
   function clear() {
     engine.cancel()
     shown = undefined
+    computed = null
     fault.textContent = ''
     result.replaceChildren()
     plot.hidden = true
@@ -243,6 +247,7 @@ export function mount(root, engine, actions) {
       if (of !== subject()) return clear()
       show(cut)
       shown = of
+      computed = cut
       const operations = cut.summary.runs[0].operations.map(({ cutting }) => cutting)
       const { cutting } = cut.summary.runs[0]
       actions.setCut(cutting ? { program: id, dialect, motion, column: tolerance, operations, rooms: cutting.headroom, fed: fed?.stretches ?? [] } : null)
@@ -315,6 +320,7 @@ export function mount(root, engine, actions) {
     fed = fedAlong(loads.distance, loads.predictedPerTooth, form.tools(), operations)
     if (fed.byTool.size > 0) result.append(perToothTable(fed.byTool))
     const { distance, programmedForce, predictedForce, programmedPower, predictedPower, programmedRate, predictedRate } = loads
+    picture?.free()
     picture = new LoadPicture(distance, programmedForce, predictedForce, programmedPower, predictedPower, programmedRate, predictedRate)
     plot.hidden = false
     find(root, '.tools').hidden = false
@@ -341,6 +347,8 @@ export function mount(root, engine, actions) {
       at.update(columnsOf(state, program), quotedColumn(state, program))
       showForm(state)
       if (shown !== undefined && shown !== subject()) clear()
+      if (computed && unit !== state.lengthUnit) show(computed)
+      unit = state.lengthUnit
     },
   }
 }

@@ -4,8 +4,8 @@
 import { Chart, markOfChart } from '../pkg/truefeed_whole.js'
 import { find, make, scroll } from '../dom.js'
 import { Ended } from '../engine.js'
-import { count, difference, feedrate, number, parsed, seconds, typed, worded, wordedHtml } from '../format.js'
-import { lostLabel } from '../labels.js'
+import { count, difference, feedrate, parsed, seconds, typed, worded, wordedHtml } from '../format.js'
+import { errorLabel, lostLabel } from '../labels.js'
 import { mountPlot } from '../plot.js'
 import { evidence, usable } from '../recordings.js'
 import { saveFile, saveMachine } from '../save.js'
@@ -55,6 +55,7 @@ export function mount(root, engine, form, actions) {
   /** @type {Diagnosis | null} */
   let shown = null
   let wasUsed = false
+  let unit = ''
   let run = 0
 
   const plot = mountPlot(root, chart, {
@@ -221,7 +222,9 @@ export function mount(root, engine, form, actions) {
       start.textContent = all < 2 ? say.diagnosis.diagnose : say.diagnosis.diagnoseMany(count(all))
       const refused = recordings.find(({ match }) => match?.refusal)
       why.textContent = all > 0 || !refused ? '' : say.diagnosis.refused(refused.name)
-      if (diagnosis === shown && (diagnosis?.used ?? false) === wasUsed) return
+      const isOtherUnit = state.lengthUnit !== unit
+      if (diagnosis === shown && (diagnosis?.used ?? false) === wasUsed && !isOtherUnit) return
+      unit = state.lengthUnit
       const isOther = diagnosis !== shown && diagnosis?.runs !== shown?.runs
       shown = diagnosis
       wasUsed = diagnosis?.used ?? false
@@ -234,6 +237,7 @@ export function mount(root, engine, form, actions) {
         place.replaceChildren()
       }
       if (isOther) draw(0)
+      else if (isOtherUnit) draw(run)
     },
   }
 }
@@ -300,7 +304,7 @@ function causeOf({ name, sentence, told, lines, confidence, sections, vendors, i
   /** @type {(string | Node)[][]} */
   const rows = told.map(({ name, value, deviation, unit }) => [name, worded(`${value}${deviation === null ? '' : ` ± ${deviation}`} ${unit}`.trim())])
   if (lines.length > 0) rows.push([say.common.lines, linesOf(lines, show)])
-  if (form !== null) rows.push([say.diagnosis.formError, `${number(1000 * form)} µm`])
+  if (form !== null) rows.push([say.diagnosis.formError, errorLabel(form)])
   if (confidence !== null) {
     const proof = sections ? say.diagnosis.proof(sections[0], sections[0] + sections[1]) : ''
     rows.push([say.diagnosis.howSure, `${Math.round(100 * confidence)} %${proof}`])
@@ -354,7 +358,7 @@ function numbersTable({ fit }) {
     [say.diagnosis.cycleTimeError, fit.cycle_time_error_s, difference],
     [say.diagnosis.feedRmse, fit.feed_rmse_mm_min, feedrate],
     [say.diagnosis.feedRmseHeldOut, fit.held_out.feed_rmse_mm_min, feedrate],
-    [say.diagnosis.positionRmse, fit.position_rmse_mm, (value) => `${number(1000 * value)} µm`],
+    [say.diagnosis.positionRmse, fit.position_rmse_mm, errorLabel],
   ]
   const rows = all.flatMap(([name, { before, after }, written]) => (before === null || after === null ? [] : [[name, written(before), written(after)]]))
   return table(say.diagnosis.beforeAfter, ['', say.common.before, say.diagnosis.after], rows)

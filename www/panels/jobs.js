@@ -1,7 +1,7 @@
 // Jobs: those that are kept in this browser, with a search; a new one, a copy, a file; what is shared of a result.
 
 import { jobFromText } from '../pkg/truefeed_whole.js'
-import { columnLabel } from '../columns.js'
+import { columnKey } from '../columns.js'
 import { make } from '../dom.js'
 import { count } from '../format.js'
 import { opened, written } from '../job/document.js'
@@ -114,9 +114,9 @@ export function mount(root, form, columnOf, actions) {
   function readFrom(text) {
     const { tolerance, ...job } = opened(JSON.parse(jobFromText(text)), form)
     const before = state?.tolerances ?? []
-    if (tolerance === 'programmed') return { ...job, quoted: columnLabel(null), programmed: true }
+    if (tolerance === 'programmed') return { ...job, quoted: columnKey(null), programmed: true }
     const compared = [...new Set([tolerance, ...before])].slice(0, Math.max(1, before.length)).sort((a, b) => a - b)
-    return { ...job, tolerances: compared, quoted: columnLabel(tolerance) }
+    return { ...job, tolerances: compared, quoted: columnKey(tolerance) }
   }
 
   /** Opens a kept job, or a copy of it. @param {KeptJob} job @param {boolean} isCopy */

@@ -5,7 +5,7 @@ import { mountTolerance } from '../at_tolerance.js'
 import { columnsOf, machineOf, quotedColumn } from '../columns.js'
 import { find, make, offer } from '../dom.js'
 import { sheetOf } from '../drawing.js'
-import { feedrate, figures, millimetres } from '../format.js'
+import { feedrate, lengthLabel, lengthWord, roundLength } from '../format.js'
 import { mountListing } from '../listing.js'
 import { namedIn, operationAt, operationTitle, toolTitle } from '../operations.js'
 import { offerPictures } from '../pictures.js'
@@ -88,7 +88,7 @@ export function mount(root, actions) {
   offerShortcuts(find(root, '.tools'), find(root, '.halves'), say.path.keys)
   offerPictures(find(root, '.tools'), 'path', say.path.picture, () => {
     const [length] = view.scale()
-    return outcome ? view.svg(...endsOf(view), lengthLabel(length)) : undefined
+    return outcome ? view.svg(...endsOf(view), roundLength(length)) : undefined
   })
 
   /** @type {Program | undefined} */
@@ -135,7 +135,7 @@ export function mount(root, actions) {
     axes.replaceChildren(...axesOf(view, height))
     const [length, width] = view.scale()
     scale.style.width = `${width}px`
-    scale.textContent = lengthLabel(length)
+    scale.textContent = roundLength(length)
   }
 
   /** @param {HTMLElement} element @param {number} distance */
@@ -157,7 +157,7 @@ export function mount(root, actions) {
     const fast = runs === undefined ? '' : ` · ${feedrate(runs)}`
     const operation = operations().length > 1 ? operationAt(operations(), distance) : undefined
     const tool = operation ? [make('p', { className: 'small' }, `${toolTitle(operation)} · ${operationTitle(operation)}`)] : []
-    reading.replaceChildren(make('p', {}, make('strong', {}, millimetres(distance)), fast), ...tool, ...lineOf(view.lineAt(distance), program))
+    reading.replaceChildren(make('p', {}, make('strong', {}, lengthLabel(distance)), fast), ...tool, ...lineOf(view.lineAt(distance), program))
     // In the corner that is away from what is read.
     const [x] = view.locate(distance)
     const toTheLeft = x > sheet.width / 2
@@ -334,7 +334,7 @@ export function mount(root, actions) {
     if (!outcome) return
     const column = at.column() ?? null
     run = outcome.runs.get(column)
-    const now = [outcome, run, lost, revised, fed, by.value]
+    const now = [outcome, run, lost, revised, fed, by.value, lengthWord()]
     if (now.length === filled.length && now.every((value, index) => value === filled[index])) return
     const isOther = filled[0] !== outcome
     filled = now
@@ -389,6 +389,3 @@ export function mount(root, actions) {
     },
   }
 }
-
-/** A round length. @param {number} length  mm */
-const lengthLabel = (length) => `${figures(length)} mm`

@@ -1,7 +1,7 @@
 // By what the path is coloured: the choices there are, the parts of the program, and what its colours mean.
 
 import { make } from '../dom.js'
-import { count, number } from '../format.js'
+import { count, feedrate, number } from '../format.js'
 import { operationTitle, plain, toolTitle } from '../operations.js'
 import { say } from '../texts_later.js'
 
@@ -63,7 +63,7 @@ export function color(view, by, operations, fed) {
 export function endsOf(view) {
   const { ends, unit } = view.legend()
   if (!unit) return ['', '']
-  const [first, last] = [...ends].map((end) => `${unit === 'mm/min' ? count(end) : number(end)} ${unit}`)
+  const [first, last] = [...ends].map((end) => (unit === 'mm/min' ? feedrate(end) : `${number(end)} ${unit}`))
   return [first, last]
 }
 

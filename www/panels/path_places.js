@@ -2,7 +2,7 @@
 
 import { columnLabel } from '../columns.js'
 import { make } from '../dom.js'
-import { number, percent, worded } from '../format.js'
+import { lengthWord, number, percent, worded } from '../format.js'
 import { say } from '../texts_later.js'
 
 /** @import { Column, LostAt, Run } from "../types.js" */
@@ -43,13 +43,14 @@ export function mountPlaces(list, marks, chosen) {
       )
       if (!run) return list.replaceChildren(make('p', { className: 'empty' }, say.common.computing))
       const { seconds: all, elsewhere_s: elsewhere } = run.summary.lost
+      const texts = lengthWord() === 'inch' ? run.placesInInches : places.map(({ text }) => text)
       const cells = (/** @type {number} */ lostHere) => [make('td', {}, `${number(lostHere)} s`), make('td', {}, all > 0 ? percent(lostHere / all).replace('+', '') : '–')]
       const rows = places.map((place, index) => {
         const [from, to] = place.lines
         const go = make('button', { type: 'button', title: say.path.showEverywhere }, from === to ? `${from}` : `${from}–${to}`)
         go.setAttribute('aria-label', say.path.showPlace(index + 1, go.textContent))
         go.addEventListener('click', () => chosen(place))
-        return make('tr', {}, make('th', { scope: 'row' }, String(index + 1)), make('td', {}, go), make('td', {}, worded(place.text)), ...cells(place.seconds))
+        return make('tr', {}, make('th', { scope: 'row' }, String(index + 1)), make('td', {}, go), make('td', {}, worded(texts[index])), ...cells(place.seconds))
       })
       const rest = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, say.path.everywhereElse), ...cells(elsewhere))
       const total = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, say.path.total), ...cells(all))

@@ -1,7 +1,7 @@
 // The price: what it is, what is not in it yet, its terms, all it is made of, and its documents. All arithmetic is Rust's.
 
 import { Chart, Offered, termsForm, toleranceLabel } from '../pkg/truefeed_whole.js'
-import { addCurve, columnsOf, isJob, programInSight, quotedColumn } from '../columns.js'
+import { addCurve, columnKey, columnsOf, isJob, programInSight, quotedColumn } from '../columns.js'
 import { find, make, write } from '../dom.js'
 import { field, idOf, same } from '../field.js'
 import { amount, between, clock, count, duration, priced, seconds, worded, wordedHtml } from '../format.js'
@@ -111,7 +111,7 @@ export function mount(root, form, actions) {
       const chart = new Chart()
       const { end, feedrate, rapid, line } = one.outcome.steps
       chart.program(end, feedrate, rapid, line)
-      addCurve(chart, column, one.outcome.held)
+      addCurve(chart, column, one.outcome.held, columnKey(column))
       const { distance, feedrate: feed, time, corner, arcs, alongArcs } = run.columns
       chart.fill(distance, feed, time)
       chart.fillErrors(corner, arcs, alongArcs)

@@ -138,7 +138,7 @@ export function mount(root, actions) {
       fillList(state)
       const match = recording?.match
       root.classList.toggle('stale', Boolean(match) && match?.motion !== state.machine.motion)
-      const now = [recording, match, program?.outcome?.steps]
+      const now = [recording, match, program?.outcome?.steps, state.lengthUnit]
       if (now.every((value, index) => value === filled[index]) && filled.length > 0) return
       filled = now
       plot.hide()

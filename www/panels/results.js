@@ -1,7 +1,7 @@
 // The answer: the cycle time of a part at the tolerance that is quoted, what CAM says, what is in doubt, and what other tolerances
 // would change. Several programs make a part together; the operation in sight then has a line of its own.
 
-import { columnLabel, columnsOf, cycleOf, isJob, isStill, machineOf, programInSight, quotedColumn } from '../columns.js'
+import { columnKey, columnLabel, columnsOf, cycleOf, isJob, isStill, machineOf, programInSight, quotedColumn } from '../columns.js'
 import { find, make, write } from '../dom.js'
 import { between, count, duration, percent, signed, seconds, worded } from '../format.js'
 import { nameOf } from '../job/names.js'
@@ -22,7 +22,7 @@ export function mount(root, actions) {
   /** What is in sight is of. @type {unknown[]} */
   let shown = []
   /** The other tolerances in sight, and what each would change. */
-  let compared = '[]'
+  let compared = ''
 
   /** Puts words beside a figure, or takes it away. @param {HTMLElement} figure @param {(Node | string)[]} words */
   function put(figure, ...words) {
@@ -103,7 +103,19 @@ export function mount(root, actions) {
       const each = state.programs.flatMap((other) => [other, nameOf(other), other.failure, other.outcome, quotedColumn(state, other), ...columns.map((one) => other.outcome?.runs.get(one))])
       // An entry of the price changes no time, and nothing is announced again.
       const { cycle_time_s, programmed_time_s, cycle_time_range_s } = state.price?.report ?? {}
-      const now = [program, column, ...columns, ...each, cycle_time_s, programmed_time_s, ...(cycle_time_range_s ?? []), state.fixture, Boolean(state.progress), isStale && outOfDate(state)]
+      const now = [
+        state.lengthUnit,
+        program,
+        column,
+        ...columns,
+        ...each,
+        cycle_time_s,
+        programmed_time_s,
+        ...(cycle_time_range_s ?? []),
+        state.fixture,
+        Boolean(state.progress),
+        isStale && outOfDate(state),
+      ]
       if (now.length === shown.length && now.every((value, index) => value === shown[index])) return
       shown = now
       const isEmpty = !isJob(state) && isStill(program.outcome)
@@ -115,7 +127,7 @@ export function mount(root, actions) {
       const hasRun = Boolean(program.outcome?.runs.has(column))
       const changes = columns.filter((other) => other !== column).map((other) => ({ other, by: changeAt(state, program, other) }))
       const offered = hasRun && !isEmpty && changes.some(({ by }) => by !== 0) ? changes : []
-      const differences = JSON.stringify(offered)
+      const differences = JSON.stringify([state.lengthUnit, offered])
       if (differences !== compared) others.replaceChildren(...offered.map(({ other, by }) => against(other, by)))
       compared = differences
       why.replaceChildren(...(isEmpty ? [whyStill(program)] : reasons(state, program, isStale)))
@@ -134,7 +146,7 @@ function changeAt(state, program, column) {
   const isOwn = program.tolerance !== null
   const changed = isOwn ? [program] : state.programs.filter(({ tolerance }) => tolerance === null)
   const differences = changed.map((other) => {
-    const next = isOwn ? column : quotedColumn({ ...state, quoted: columnLabel(column) }, other)
+    const next = isOwn ? column : quotedColumn({ ...state, quoted: columnKey(column) }, other)
     const [to, from] = [next, quotedColumn(state, other)].map((at) => other.outcome?.runs.get(at)?.summary.cycle_time_s)
     return to === undefined || from === undefined ? undefined : to - from
   })

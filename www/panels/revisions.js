@@ -1,7 +1,7 @@
 // Where two revisions of a program differ: lines, time and path, what differs most first.
 
 import { find, make } from '../dom.js'
-import { count, difference, millimetres, seconds } from '../format.js'
+import { count, difference, lengthLabel, seconds } from '../format.js'
 import { say } from '../texts_later.js'
 
 /** @import { RevisedRow, RevisionsReport } from "../types.js" */
@@ -58,7 +58,7 @@ function line({ lines, is_same: isSame, seconds: times, difference_s: by, length
   show.addEventListener('click', () => distance && mark(distance))
   const where = make('td', {}, distance ? show : linesOf(lines[1]))
   const told = (/** @type {number[]} */ values, /** @type {(value: number) => string} */ write) => values.map((value, side) => (lines[side] === null ? '–' : write(value)))
-  const others = [kind, ...told(times, seconds), difference(by), ...told(lengths, millimetres)]
+  const others = [kind, ...told(times, seconds), difference(by), ...told(lengths, lengthLabel)]
   return make('tr', {}, make('th', { scope: 'row' }, linesOf(lines[0])), where, ...others.map((text) => make('td', {}, text)))
 }
 

@@ -102,7 +102,7 @@ export function mount(root, engine, actions) {
       return stop()
     }
     const ideas = now.programs.flatMap((program) => (isStill(program.outcome) ? [] : ideasFor(now, program)))
-    const of = [now.price, now.cut, running, ...ideas.map(keyOf)]
+    const of = [now.lengthUnit, now.price, now.cut, running, ...ideas.map(keyOf)]
     if (of.length !== shown.length || of.some((value, index) => value !== shown[index])) {
       shown = of
       fill(now, ideas)

@@ -1,29 +1,34 @@
-// Settings as a link or a file: giving them away and taking them in. What they may say is Rust's affair.
+// The unit in which lengths are shown, and settings as a link or a file: giving them away and taking them in. What they may say is
+// Rust's affair.
 
-import { find } from '../dom.js'
+import { find, offer } from '../dom.js'
 import { say } from '../texts.js'
 
-/** @import { State } from "../types.js" */
+/** @import { LengthUnit, State } from "../types.js" */
 
 /** What stands after the # of a link is not sent to any server. */
 const MARK = '#settings='
 
 /**
  * @typedef {object} Actions
+ * @property {(word: string) => void} setLengthUnit
  * @property {() => Promise<string>} settings  their text; throws why there is none
  * @property {(text: string) => Promise<void>} takeSettings  throws why they are none
  * @property {() => void} undoSettings
  * @property {() => void} forgetSettings  those from before
  */
 
-/** @param {HTMLElement} root @param {HTMLElement} notice @param {Actions} actions */
-export function mount(root, notice, actions) {
+/** @param {HTMLElement} root @param {HTMLElement} notice @param {LengthUnit[]} lengths @param {Actions} actions */
+export function mount(root, notice, lengths, actions) {
+  const unit = /** @type {HTMLSelectElement} */ (find(root, '#length-unit'))
+  const names = say.settings.units.split('|')
   const said = find(root, '.said')
   const shown = /** @type {HTMLInputElement} */ (find(root, '.link'))
   const file = /** @type {HTMLInputElement} */ (find(root, '#settings-file'))
   const refused = find(notice, '.refused')
   const taken = find(notice, '.taken')
 
+  unit.addEventListener('change', () => actions.setLengthUnit(unit.value))
   find(root, '.copy').addEventListener('click', async () => {
     const text = await written()
     if (text === undefined) return
@@ -102,7 +107,12 @@ export function mount(root, notice, actions) {
     takeFile,
     refuse,
     /** @param {State} state */
-    update({ beforeSettings }) {
+    update({ beforeSettings, lengthUnit }) {
+      offer(
+        unit,
+        lengths.map(({ word, symbol, feed_symbol }, index) => [word, `${names[index]} (${symbol}, ${feed_symbol})`]),
+        lengthUnit,
+      )
       taken.hidden = beforeSettings === null
     },
   }

@@ -2,10 +2,10 @@
 // × or Delete. Text becomes a tolerance in Rust.
 
 import { toleranceFromText } from '../pkg/truefeed.js'
-import { columnLabel, columnsOf, programInSight, quotedColumn } from '../columns.js'
+import { columnKey, columnLabel, columnsOf, programInSight, quotedColumn } from '../columns.js'
 import { find, make } from '../dom.js'
 import { count, duration, seconds } from '../format.js'
-import { deviationLabel, toleranceLabel } from '../labels.js'
+import { deviationLabel, toleranceKey, toleranceLabel } from '../labels.js'
 import { say } from '../texts.js'
 
 /** @import { Column, Form, Held, Outcome, Place, State, Value } from "../types.js" */
@@ -67,8 +67,7 @@ export function mount(root, { most, usual }, actions) {
     } catch (reason) {
       return String(reason)
     }
-    const label = toleranceLabel(tolerance)
-    if (tolerances.some((other) => toleranceLabel(other) === label)) return say.tolerances.isThere(label)
+    if (tolerances.some((other) => toleranceKey(other) === toleranceKey(tolerance))) return say.tolerances.isThere(toleranceLabel(tolerance))
     if (columns.length >= most) return say.tolerances.atMost(most)
     actions.setTolerances([...tolerances, tolerance])
     return ''
@@ -89,7 +88,7 @@ export function mount(root, { most, usual }, actions) {
   function row(column, index, outcome, isQuoted) {
     const label = columnLabel(column)
     const run = outcome?.runs.get(column)?.summary
-    const choice = make('input', { type: 'radio', name: 'quoted', value: label, checked: isQuoted })
+    const choice = make('input', { type: 'radio', name: 'quoted', value: columnKey(column), checked: isQuoted })
     choice.addEventListener('change', () => actions.setQuoted(column))
     const removal = make('button', { type: 'button', className: 'remove', title: say.tolerances.removeByDelete }, '×')
     removal.setAttribute('aria-label', say.tolerances.remove(label))
@@ -138,7 +137,7 @@ export function mount(root, { most, usual }, actions) {
   return {
     /** Adds a tolerance (mm) that was pointed at, or says why not. @param {number} tolerance */
     choose(tolerance) {
-      tell(add(toleranceLabel(tolerance)))
+      tell(add(toleranceKey(tolerance)))
     },
     /** @param {State} state */
     update(state) {
@@ -150,7 +149,7 @@ export function mount(root, { most, usual }, actions) {
       own.hidden = !sets || state.programmed
       reset.hidden = usual.length === tolerances.length && usual.every((value, i) => value === tolerances[i])
       const quoted = quotedColumn(state, program)
-      const now = [outcome, quoted, state.machine.values[CURE.key], ...columns, ...columns.map((column) => outcome?.runs.get(column))]
+      const now = [state.lengthUnit, outcome, quoted, state.machine.values[CURE.key], ...columns, ...columns.map((column) => outcome?.runs.get(column))]
       if (now.length === shown.length && now.every((value, i) => value === shown[i])) return
       shown = now
       const focused = document.activeElement

@@ -21,6 +21,7 @@
  * @property {boolean} programmed  the program's own tolerances are shown
  * @property {string} quoted  what the tolerance of the price is called; empty: the first
  * @property {Values} terms  of the price
+ * @property {string} lengthUnit  the word of the unit in which lengths are shown
  * @property {string | null} beside  the machine compared with, by its name
  * @property {Calibration | null} calibration
  * @property {Before | null} sample  what was in the form before the demo's machine

@@ -1,7 +1,7 @@
 // What panels may ask of the machine, of those that are kept, of tolerances, terms and settings: each answer is a new document.
 
 import { edited, motionOf, mostCurves, toleranceLabel } from '../pkg/truefeed.js'
-import { columnLabel, programInSight, quotedColumn } from '../columns.js'
+import { columnKey, programInSight, quotedColumn } from '../columns.js'
 import { freeName, keptMachine } from '../machines.js'
 import { whole } from '../whole.js'
 
@@ -25,8 +25,16 @@ export function machineActions(store) {
   }
 
   /** What was in the form, as a change. @param {Before} before @returns {Partial<Document>} */
-  function back({ start, values, tolerances, quoted, programmed, terms }) {
-    return { start: known(start), values, tolerances, ...(quoted === undefined ? {} : { quoted }), ...(programmed === undefined ? {} : { programmed }), ...(terms ? { terms } : {}) }
+  function back({ start, values, tolerances, quoted, programmed, terms, lengthUnit }) {
+    return {
+      start: known(start),
+      values,
+      tolerances,
+      ...(quoted === undefined ? {} : { quoted }),
+      ...(programmed === undefined ? {} : { programmed }),
+      ...(terms ? { terms } : {}),
+      ...(lengthUnit ? { lengthUnit } : {}),
+    }
   }
 
   /** Keeps a machine under a name of its own and chooses it. @param {Values} values */
@@ -99,26 +107,30 @@ export function machineActions(store) {
       if (hasOwn) return store.change({ programs: programs.map((one) => (one.id === selected ? { ...one, tolerance } : one)) })
       const { tolerances } = store.now
       const isCompared = column === null || tolerances.includes(column)
-      return store.change({ quoted: columnLabel(column), ...(isCompared ? {} : { tolerances: [...tolerances, column].sort((a, b) => a - b) }) })
+      return store.change({ quoted: columnKey(column), ...(isCompared ? {} : { tolerances: [...tolerances, column].sort((a, b) => a - b) }) })
     },
     /** Terms change no motion. @param {string} key @param {Value} value */
     setTerm(key, value) {
       store.change({ terms: { ...store.state.terms.values, [key]: value } })
     },
+    /** Shows lengths in another unit. @param {string} lengthUnit */
+    setLengthUnit(lengthUnit) {
+      store.change({ lengthUnit })
+    },
     /** The settings as text. */
     async settings() {
       const { settingsText } = await whole()
-      const { values, tolerances, programmed, start } = store.now
-      const full = { truefeed: 1, preset: start, machine: values, tolerances_mm: tolerances, programmed, terms: store.state.terms.values }
+      const { values, tolerances, programmed, start, lengthUnit } = store.now
+      const full = { truefeed: 1, preset: start, machine: values, tolerances_mm: tolerances, programmed, terms: store.state.terms.values, length_unit: lengthUnit }
       return settingsText(JSON.stringify(full))
     },
     /** Takes the settings of a text; throws why they are none. @param {string} text */
     async takeSettings(text) {
       const { settingsFromText } = await whole()
-      const { preset, machine, tolerances_mm: tolerances, programmed, terms } = JSON.parse(settingsFromText(text))
+      const { preset, machine, tolerances_mm: tolerances, programmed, terms, length_unit: lengthUnit = store.form.lengths[0].word } = JSON.parse(settingsFromText(text))
       // Of several in a row, the user's own are those from before the first.
-      const beforeSettings = store.now.beforeSettings ?? { ...inForm(), programmed: store.now.programmed, terms: store.state.terms.values }
-      store.change({ ...back({ start: preset, values: machine, tolerances, programmed, terms }), beforeSettings })
+      const beforeSettings = store.now.beforeSettings ?? { ...inForm(), programmed: store.now.programmed, terms: store.state.terms.values, lengthUnit: store.now.lengthUnit }
+      store.change({ ...back({ start: preset, values: machine, tolerances, programmed, terms, lengthUnit }), beforeSettings })
     },
     /** Takes the settings back that were there before. */
     undoSettings() {
@@ -142,7 +154,7 @@ export function machineActions(store) {
       const others = store.now.tolerances.filter((other) => toleranceLabel(other) !== label)
       const tolerances = [...others.slice(0, mostCurves() - 2), tolerance].sort((a, b) => a - b)
       // Who quotes what the program sets goes on to.
-      const quoted = columnLabel(quotedColumn(store.state, programInSight(store.state)) === null ? null : tolerance)
+      const quoted = columnKey(quotedColumn(store.state, programInSight(store.state)) === null ? null : tolerance)
       store.change({ calibration, tolerances, quoted, values })
     },
     /** Takes the machine back that was there before the calibration. */

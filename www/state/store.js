@@ -75,11 +75,11 @@ export class Store {
   /** Brings the state up to the document. */
   #show() {
     const { now, state } = this
-    const { tolerances, programmed, quoted, selected, recording, calibration, sample, beforeSettings, job, fixture, letter, company } = now
+    const { tolerances, programmed, quoted, selected, recording, calibration, sample, beforeSettings, lengthUnit, job, fixture, letter, company } = now
     this.form.presets = [...this.presets, ...now.kept]
     state.programs = entries(this.#programs, now.programs, programOf)
     state.recordings = entries(this.#recordings, now.recordings, (given, before) => recordingOf(given, before, now))
-    Object.assign(state, { tolerances: [...tolerances], programmed, quoted, selected, recording, calibration, sample, beforeSettings, job, fixture, letter, company })
+    Object.assign(state, { tolerances: [...tolerances], programmed, quoted, selected, recording, calibration, sample, beforeSettings, lengthUnit, job, fixture, letter, company })
     state.beside = now.beside === null ? null : this.#preset(now.beside)
     const preset = this.#preset(now.start) ?? 0
     if (now.values !== this.#filled.values || preset !== state.machine?.preset) state.machine = filled(preset, now.values)
