@@ -133,8 +133,9 @@ pub fn without_worst<'a>(evidence: &Evidence<'a>, better: &Machine, worse: &Mach
 /// Cycle of the PLC that answers words, s: the cycle of LinuxCNC's iocontrol in the recordings of this project; other
 /// PLCs take 10 to 20 ms.
 const PLC_CYCLE_S: f64 = 0.02;
-/// Largest change of a wait by chance, in standard deviations.
-const MAX_CHANCE: f64 = 3.0;
+/// Largest change of a wait by chance, in standard deviations: no PLC keeps its cycle exactly, and among 24 tool changes of
+/// LinuxCNC (seeds 28864806 and 67560038) one wait changed by 3.2 of them.
+const MAX_CHANCE: f64 = 4.0;
 
 /// Returns `true` if waits at a word differ from the machine file by more than chance: each by `each`, all of the runs
 /// together by `all` (s). A word waits for the next cycle of the PLC, and its answer for one more, each anywhere within a
@@ -175,11 +176,11 @@ mod tests {
 
     #[test]
     fn many_short_waits_are_beyond_chance_where_one_is_not() {
-        // As long as a cycle for the word and one for its answer take at most.
-        assert!(!is_beyond_chance(0.03, 0.03, 1) && is_beyond_chance(0.04, 0.04, 1));
+        // Hardly longer than a cycle for the word and one for its answer take at most.
+        assert!(!is_beyond_chance(0.04, 0.04, 1) && is_beyond_chance(0.05, 0.05, 1));
         assert!(!is_beyond_chance(0.0235, 2.0 * 0.0235, 1));
         assert!(is_beyond_chance(0.0235, 4.0 * 0.0235, 1) && is_beyond_chance(-0.0235, -4.0 * 0.0235, 1));
         // T, M6 and M3 in a row.
-        assert!(!is_beyond_chance(0.059, 0.059, 3) && is_beyond_chance(0.061, 0.061, 3));
+        assert!(!is_beyond_chance(0.064, 0.064, 3) && is_beyond_chance(0.081, 0.081, 3));
     }
 }
