@@ -27,11 +27,9 @@ const OF_ONE_SIGN: [&str; 8] = [
     "unmodelled_wait",
     "recorder_clock",
 ];
-/// What rounding in the simulation may turn round, s.
-const ROUNDING_S: f64 = 1e-6;
-/// Part of its largest share by which a cause may act the other way beside others: a limit that hardly acts any more shifts
-/// where ramps begin.
-const MAX_TURNED_ROUND: f64 = 0.01;
+/// Time by which a cause may act the other way beside others, s: a limit that hardly acts any more shifts where ramps begin.
+/// A diagnosis names no cause of less than 15 times that.
+const MAX_TURNED_ROUND_S: f64 = 1e-3;
 
 /// Numbers from 0 to below 1.
 struct Random(u64);
@@ -188,8 +186,11 @@ fn causes_that_act_together_add_up_and_keep_their_sign_in_every_order() {
             let least = each.iter().copied().fold(f64::INFINITY, f64::min);
             let most = each.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             assert!(least - 1e-9 <= *share && *share <= most + 1e-9, "{}: {share} of {each:?}", names[at]);
-            let small = ROUNDING_S + MAX_TURNED_ROUND * most.abs().max(least.abs());
-            assert!(-small <= least || most <= small, "{} of {names:?}: {each:?}", names[at]);
+            assert!(
+                -MAX_TURNED_ROUND_S <= least || most <= MAX_TURNED_ROUND_S,
+                "{} of {names:?}: {each:?}",
+                names[at]
+            );
         }
         let backwards: Vec<Candidate> = causes.iter().rev().cloned().collect();
         let other = accounted(&believed, None, &backwards, &run);
