@@ -27,6 +27,8 @@ const OF_ONE_SIGN: [&str; 8] = [
     "unmodelled_wait",
     "recorder_clock",
 ];
+/// Rounding of the sums of a run that lasts minutes, s.
+const ROUNDING_S: f64 = 1e-8;
 /// Time by which a cause may act the other way beside others, s: a limit that hardly acts any more shifts where ramps begin.
 /// A diagnosis names no cause of less than 15 times that.
 const MAX_TURNED_ROUND_S: f64 = 1e-3;
@@ -129,7 +131,7 @@ fn accounted(believed: &Machine, calibrated: Option<&Machine>, causes: &[Candida
     let left = (after.whole.recorded - after.whole.simulated)
         * with_all(calibrated.unwrap_or(believed), causes).recorder.clock_ratio
         / believed.recorder.clock_ratio;
-    assert!((account.unexplained - left).abs() < 1e-9, "{} s is not {left} s", account.unexplained);
+    assert!((account.unexplained - left).abs() < ROUNDING_S, "{} s is not {left} s", account.unexplained);
     account
 }
 
