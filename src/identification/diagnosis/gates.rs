@@ -66,23 +66,24 @@ fn cut(count: usize, sections: usize) -> Vec<Range<usize>> {
     (0..count).step_by(length).map(|first| first..(first + length).min(count)).collect()
 }
 
-/// Compares the causes `after` with the causes `before` section by section, both at the values that the other sections
-/// give. The first of `after` is the new cause; `None` if it acts in one section alone, so that fewer than two sections
-/// count.
+/// Compares `cause` beside the causes `beside` with the causes `before` section by section, all at the values that the
+/// other sections give. `beside` are the causes `before`, fitted together with the cause. `None` if the cause acts in one
+/// section alone, so that fewer than two sections count.
 pub fn held_out(
     evidence: &Evidence,
     base: &Machine,
     before: &[Candidate],
-    after: &[Candidate],
+    (cause, beside): (&Candidate, &[Candidate]),
 ) -> Option<HeldOut> {
     let sections = sections_of_each(evidence.runs.len());
     let left_out = |all: &[Candidate]| {
         let (base, freed) = evidence.freed(base, all);
         held_out_blocks(&base, evidence.runs, &freed, &evidence.whitenings, |count| cut(count, sections))
     };
-    let own =
-        after.first().filter(|cause| cause.hypothesis.is_continuous).map_or(0, |cause| cause.values.len());
-    let (before, after) = (left_out(before), left_out(after));
+    // The values of the cause come first.
+    let own = if cause.hypothesis.is_continuous { cause.values.len() } else { 0 };
+    let after: Vec<Candidate> = [cause].into_iter().chain(beside).cloned().collect();
+    let (before, after) = (left_out(before), left_out(&after));
     // What a neighbour knows of a cause that acts in one section is too little to hold the section against it.
     if 0 < own && after.iter().any(|section| (0..own).all(|value| !section.is_known(value))) {
         return None;
@@ -133,14 +134,14 @@ pub fn without_worst<'a>(evidence: &Evidence<'a>, better: &Machine, worse: &Mach
 /// Cycle of the PLC that answers words, s: the cycle of LinuxCNC's iocontrol in the recordings of this project; other
 /// PLCs take 10 to 20 ms.
 const PLC_CYCLE_S: f64 = 0.02;
-/// Largest change of a wait by chance, in standard deviations: no PLC keeps its cycle exactly, and among 24 tool changes of
-/// LinuxCNC (seeds 28864806 and 67560038) one wait changed by 3.2 of them.
+/// Largest change of a wait by chance, in standard deviations: no PLC keeps its cycle exactly, and among 24 tool changes
+/// of LinuxCNC (seeds 28864806 and 67560038) one wait changed by 3.2 of them.
 const MAX_CHANCE: f64 = 4.0;
 
 /// Returns `true` if waits at a word differ from the machine file by more than chance: each by `each`, all of the runs
-/// together by `all` (s). A word waits for the next cycle of the PLC, and its answer for one more, each anywhere within a
-/// cycle T: a wait for `words` words (w) has the standard deviation T √(2 w/12), and the mean of n waits differs from the
-/// mean of the n waits behind the machine file by √(2/n) times that, T √(w/(3 n)). With `all` = n `each`, `each` is
+/// together by `all` (s). A word waits for the next cycle of the PLC, and its answer for one more, each anywhere within
+/// a cycle T: a wait for `words` words (w) has the standard deviation T √(2 w/12), and the mean of n waits differs from
+/// the mean of the n waits behind the machine file by √(2/n) times that, T √(w/(3 n)). With `all` = n `each`, `each` is
 /// compared with it.
 pub fn is_beyond_chance(each: f64, all: f64, words: usize) -> bool {
     MAX_CHANCE * PLC_CYCLE_S * (words as f64 / 3.0).sqrt() < (each * all).abs().sqrt()

@@ -305,8 +305,7 @@ fn passed(
     if gain < MIN_GAIN_WITHOUT_SHIFT_TEST * candidate.cost && !gates::stays_in_place(&last, current, &with) {
         return None;
     }
-    let newest_first: Vec<Candidate> = [&candidate].into_iter().chain(&others).cloned().collect();
-    let held_out = gates::held_out(&last, base, before, &newest_first);
+    let held_out = gates::held_out(&last, base, before, (&candidate, &others));
     if held_out.as_ref().is_some_and(|held_out| !held_out.holds()) {
         return None;
     }
@@ -466,8 +465,8 @@ pub fn without_unnecessary(
             Some((at, evidence.cost(&with_all(base, &others)) - cost, others))
         };
         let holds = |at: usize, others: &[Candidate]| {
-            let newest_first: Vec<Candidate> = [&all[at]].into_iter().chain(others).cloned().collect();
-            gates::held_out(&evidence, base, others, &newest_first).is_none_or(|held_out| held_out.holds())
+            gates::held_out(&evidence, base, others, (&all[at], others))
+                .is_none_or(|held_out| held_out.holds())
         };
         let mut each: Vec<_> = (0..all.len()).filter_map(without).collect();
         sort_by_number(&mut each, |(_, rise, _)| *rise);
