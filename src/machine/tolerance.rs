@@ -71,8 +71,12 @@ pub fn checked_tolerance(value: f64) -> Result<f64, ToleranceError> {
 
 /// Formats a tolerance (mm), for example `10 µm`.
 pub fn tolerance_label(tolerance: f64) -> String {
-    let digits = format!("{:.3}", micrometres(tolerance));
-    format!("{} µm", digits.trim_end_matches('0').trim_end_matches('.'))
+    format!("{} µm", trimmed(micrometres(tolerance), 3))
+}
+
+/// Formats a number with at most this number of decimals, without zeros at its end.
+fn trimmed(value: f64, decimals: usize) -> String {
+    format!("{value:.decimals$}").trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 /// Formats a tolerance (mm) in a unit, for example `15 µm` or `0.00059 in`.
@@ -83,8 +87,7 @@ pub fn tolerance_label_in(unit: LengthUnit, tolerance: f64) -> String {
     let length = unit.fine(tolerance);
     // At least two significant digits, so that the finest tolerances do not look alike.
     let decimals = (1.0 - length.log10().floor()).clamp(DEVIATION_DECIMALS_IN as f64, 9.0) as usize;
-    let digits = format!("{length:.decimals$}");
-    format!("{} {}", digits.trim_end_matches('0').trim_end_matches('.'), unit.fine_symbol())
+    format!("{} {}", trimmed(length, decimals), unit.fine_symbol())
 }
 
 /// Formats a measured distance from the path (mm) in a unit, for example `21.4 µm` or `0.00084 in`.
