@@ -13,7 +13,7 @@ import * as revisionsPanel from './revisions.js'
 
 /** @import { Engine } from "../engine.js" */
 /** @import { OtherJob, Taken } from "../job/other.js" */
-/** @import { Difference, Form, JobComparison, OperationPair, Revised, State } from "../types.js" */
+/** @import { Difference, Form, JobComparison, OperationPair, Revised, RevisionsReport, State } from "../types.js" */
 
 /** What is compared with, for the state as it is. @typedef {(state: State) => OtherJob} Source */
 
@@ -38,7 +38,7 @@ export function mount(root, engine, form, actions) {
   let failed = ''
   /** What the tables show. @type {unknown[]} */
   let shown = []
-  /** The revisions in sight. @type {{key: string, revised: Revised} | null} */
+  /** The revisions in sight, and the unit in which they are. @type {{key: string, revised: Revised, report: RevisionsReport, names: string[], unit: string} | null} */
   let found = null
 
   const choice = make('select', { id: 'against-with' })
@@ -278,15 +278,19 @@ export function mount(root, engine, form, actions) {
       { program: before.file, machine: machineText(other, before), dialect: before.dialect, tolerance: taken.column },
       { program: program.file, machine: JSON.stringify(machineOf(now, program).values), dialect: program.dialect, tolerance: quotedColumn(now, program) },
     ]
-    const key = JSON.stringify([chosen, program.id, sides, pair, now.lengthUnit])
-    if (found?.key === key) return
+    const key = JSON.stringify([chosen, program.id, sides, pair])
+    if (found?.key === key) {
+      if (found.unit === now.lengthUnit) return
+      found.unit = now.lengthUnit
+      return revisions.fill(found.report, found.names, actions.mark)
+    }
     revisions.empty(say.common.computing)
     run(key, async () => {
       const { report, columns } = await engine.revise(sides, () => {})
       if (running !== key) return
       const revised = { program: program.id, columns, name: other.job || say.against.other }
-      found = { key, revised }
       const names = before.name === program.name ? [revised.name, say.against.thisJob] : [before.name, program.name]
+      found = { key, revised, report, names, unit: now.lengthUnit }
       revisions.fill(report, names, actions.mark)
       actions.setRevised(revised)
     })
