@@ -29,9 +29,9 @@ const OF_ONE_SIGN: [&str; 8] = [
 ];
 /// Rounding of the sums of a run that lasts minutes, s.
 const ROUNDING_S: f64 = 1e-8;
-/// Time by which a cause may act the other way beside others, s: a limit that hardly acts any more shifts where ramps begin.
-/// A diagnosis names no cause of less than 15 times that.
-const MAX_TURNED_ROUND_S: f64 = 1e-3;
+/// Largest time that a cause may save beside other causes although it costs time alone, or the other way round, s. A limit
+/// that has next to no effect still moves the beginning of a ramp. The least time that a diagnosis names is 15 times that.
+const MAX_SIGN_REVERSAL_S: f64 = 1e-3;
 
 /// Numbers from 0 to below 1.
 struct Random(u64);
@@ -189,7 +189,7 @@ fn causes_that_act_together_add_up_and_keep_their_sign_in_every_order() {
             let most = each.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             assert!(least - 1e-9 <= *share && *share <= most + 1e-9, "{}: {share} of {each:?}", names[at]);
             assert!(
-                -MAX_TURNED_ROUND_S <= least || most <= MAX_TURNED_ROUND_S,
+                -MAX_SIGN_REVERSAL_S <= least || most <= MAX_SIGN_REVERSAL_S,
                 "{} of {names:?}: {each:?}",
                 names[at]
             );

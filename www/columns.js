@@ -9,7 +9,7 @@ import { say } from './texts.js'
 /** What a column is called. @param {Column} column */
 export const columnLabel = (column) => (column === null ? say.charts.asProgrammed : toleranceLabel(column))
 
-/** What a column is called in documents and in what is kept, whatever unit is shown. @param {Column} column */
+/** The name of a column in documents and in storage; it does not depend on the unit shown. @param {Column} column */
 export const columnKey = (column) => (column === null ? say.charts.asProgrammed : toleranceKey(column))
 
 /** The tolerance that an operation has of its own; undefined: that of the job, which also holds where a program sets none. @param {Program | undefined} program @returns {Column | undefined} */

@@ -1,5 +1,5 @@
 // Numbers, lengths and durations as people read them: texts are English, numbers are written as the browser's language does. Lengths
-// are converted here alone, into the unit that is chosen, as Rust describes it.
+// are converted only here, to the chosen unit. Rust gives its size, symbols and decimals.
 
 /** @import { LengthUnit } from "./types.js" */
 
@@ -111,7 +111,7 @@ export const feedrate = (value) => `${feedNumber(value)} ${unit.feed_symbol}`
 /** A length. @param {number} value  mm */
 export const lengthLabel = (value) => `${lengths.format(inLengthUnit(value))} ${unit.symbol}`
 
-/** A round length, as that of a scale. @param {number} value  mm */
+/** The length of a scale bar, a round number in the unit shown. @param {number} value  mm */
 export const roundLength = (value) => `${four.format(inLengthUnit(value))} ${unit.symbol}`
 
 /** A number in about three figures. @param {number} value */

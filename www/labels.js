@@ -6,7 +6,7 @@ import { lengthWord, number, worded } from './format.js'
 /** A contour tolerance in the unit shown. @param {number} tolerance  mm */
 export const toleranceLabel = (tolerance) => worded(rust.toleranceShown(tolerance))
 
-/** A contour tolerance as documents have it, and by which it is known whatever unit is shown. @param {number} tolerance  mm */
+/** A contour tolerance in µm, for documents and as the key of a column; it does not depend on the unit shown. @param {number} tolerance  mm */
 export const toleranceKey = (tolerance) => worded(rust.toleranceLabel(tolerance))
 
 /** A contour error. @param {number} deviation  mm */

@@ -41,7 +41,11 @@ export function mountListing(root, { chosen, pointed }) {
       const top = root.scrollTop * stretch()
       const first = Math.max(Math.floor(top / ROW) - MARGIN, 0)
       const last = Math.min(Math.ceil((top + root.clientHeight) / ROW) + MARGIN, count)
-      for (const [line, own] of rows) if (line <= first || last < line) rows.delete(line) && own.remove()
+      for (const [line, element] of rows) {
+        if (first < line && line <= last) continue
+        element.remove()
+        rows.delete(line)
+      }
       for (let line = first + 1, before = null; line <= last; line += 1) before = draw(line, root.scrollTop + (line - 1) * ROW - top, before)
       if (first < selected && selected <= last) root.setAttribute('aria-activedescendant', `program-line-${selected}`)
       else root.removeAttribute('aria-activedescendant')

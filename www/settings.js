@@ -1,4 +1,4 @@
-// What the page remembers between visits: the machine, the tolerances, the terms of the quote and the unit of lengths, never a program.
+// The page keeps the machine, the tolerances, the terms of the quote and the unit of lengths between visits, but no program.
 
 /** @import { Before, Form, Parameter, Values } from "./types.js" */
 

@@ -87,7 +87,7 @@
  * A profile over distance (mm, mm/s, s), and the contour errors of its segments (mm).
  * @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array, corner: Float64Array, arcs: Uint32Array, alongArcs: Float64Array, paceEnd: Float64Array, paceFeedrate: Float64Array}} Columns
  */
-/** The note says what the columns leave out; the texts of places that lose time, in inches. @typedef {{summary: RunSummary, columns: Columns, note?: string, placesInInches: string[]}} Run */
+/** `note` names what the columns leave out; `placesInInches` are the texts of the places that lose most time. @typedef {{summary: RunSummary, columns: Columns, note?: string, placesInInches: string[]}} Run */
 /** A contour tolerance in mm; null for the program's own. @typedef {number | null} Column */
 
 /**

@@ -15,7 +15,7 @@ const numbers = (text) => (text.replaceAll(',', '').match(/\d+(\.\d+)?/g) ?? [])
 /** The largest difference of numbers in inches from those in mm. */
 const difference = (mm, inches) => Math.max(...mm.map((value, index) => Math.abs(value / MM_PER_INCH - inches[index])))
 
-/** What the read-out says in the middle of the chart, where the corner is. */
+/** Returns the reading in the middle of the chart, at the corner. */
 async function reading(page) {
   await page.focus('#chart .plot')
   await page.keyboard.press('Shift+ArrowRight')

@@ -139,7 +139,7 @@ pageTest('a place leads to its spot, its line and its stretch of the charts', as
   await page.locator('#path').screenshot({ path: join(ROOT, 'tests/browser/output/path-place.png') })
 })
 
-pageTest('a line is selected although its row is drawn anew while the button is down', async ({ page }) => {
+pageTest('a click selects a line even if the text is redrawn between press and release', async ({ page }) => {
   await opened(page)
   await page.locator('#path .listing').scrollIntoViewIfNeeded()
   const { x, y } = await page.locator('#path [data-line="3"]').boundingBox()

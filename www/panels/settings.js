@@ -1,5 +1,4 @@
-// The unit in which lengths are shown, and settings as a link or a file: giving them away and taking them in. What they may say is
-// Rust's affair.
+// The unit of lengths, and settings as a link or a file, written and read. Rust checks what a link or file contains.
 
 import { find, offer } from '../dom.js'
 import { say } from '../texts.js'

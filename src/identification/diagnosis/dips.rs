@@ -9,10 +9,10 @@
 //!          |←stops→|
 //! ```
 //!
-//! A window begins at each fix of a recording and lasts twice as long as the machine needs to stop. A window is a dip if it loses at
-//! least [`MIN_DIP_S`] s and [`MIN_RATIO_TO_OTHERS`] times as much as any window that does not touch it. Limits and
-//! rules act in many places and leave no dip. A window with a stop of the program in it or near it does not count:
-//! there a machine waits.
+//! A window begins at each fix of a recording and lasts twice as long as the machine needs to stop. A window is a dip if
+//! it loses at least [`MIN_DIP_S`] s and [`MIN_RATIO_TO_OTHERS`] times as much as any window that does not touch it.
+//! Limits and rules act in many places and leave no dip. A window with a stop of the program in it or near it does not
+//! count: there a machine waits.
 //!
 //! Limits: the search finds one dip per run, the largest, and needs recorded positions. A single corner that the
 //! machine takes more slowly than its file says is a dip too; the other causes that explain it distinguish it from a

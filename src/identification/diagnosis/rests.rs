@@ -15,8 +15,8 @@
 //! last one are unknown: a recorder that starts before the machine does shows no rest.
 //!
 //! A hold that is hardly longer than the machine needs to stop leaves a shorter rest, because its ramps take up the
-//! remainder of its cost. Inside a block, where no control stops by itself, such a rest counts all the same; at the ends of blocks
-//! an exact stop may bring a machine to rest for a moment.
+//! remainder of its cost. Inside a block, where no control stops by itself, such a rest counts all the same; at the ends
+//! of blocks an exact stop may bring a machine to rest for a moment.
 //!
 //! A poll may find a machine at rest for a moment at a corner, at the bottom of a plunge or before a block that the
 //! control has not read yet; and a state that a single poll shows lasted less than two polls. If feedrates were
@@ -24,8 +24,8 @@
 //! [`MIN_STANDSTILL_POLLS`] polls, and if it cost as much: one poll in which it may have begun, one in which it may
 //! have ended, and one that is certain.
 //!
-//! Limits: a hold shorter than the machine needs to stop leaves no rest, and is searched as a dip; a line that runs several
-//! times is assumed to be held each time. More rests than [`MAX_HALTS`], or more than [`MAX_CHANCE_RESTS`] of which
+//! Limits: a hold shorter than the machine needs to stop leaves no rest, and is searched as a dip; a line that runs
+//! several times is assumed to be held each time. More rests than [`MAX_HALTS`], or more than [`MAX_CHANCE_RESTS`] of which
 //! most differ from the usual one by less than [`MAX_ALIKE_PART`] of it, are a property of the machine and not halts,
 //! except for those more than [`MIN_RATIO_TO_USUAL`] times as long as usual. Rests at dwells are counted separately.
 

@@ -7,9 +7,10 @@
 //! θ₋ₛ − θ = (H − Hₛ)⁻¹ gₛ,     νₛ(θ₋ₛ) = νₛ + Jₛ (θ₋ₛ − θ)
 //! ```
 //!
-//! with ν, J, H and g as in `information`. The information on a value with all others unknown is c = 1/(H⁻¹)ᵢᵢ; the share of
-//! a section is the part of c that is lost without it. A value of which one section has nearly all is fixed: the other
-//! sections do not determine it, or do not tell it from another value. Source: Cook and Weisberg 1982, Sect. 3.4. Limits: valid as far as the residuals are linear in the values.
+//! with ν, J, H and g as in `information`. The information on a value with all others unknown is c = 1/(H⁻¹)ᵢᵢ; the
+//! share of a section is the part of c that is lost without it. A value of which one section has nearly all is fixed:
+//! the other sections do not determine it, or do not tell it from another value. Source: Cook and Weisberg 1982,
+//! Sect. 3.4. Limits: valid as far as the residuals are linear in the values.
 
 use std::ops::Range;
 
