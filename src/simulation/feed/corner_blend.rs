@@ -56,8 +56,8 @@
 
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::blend::{Blend, Leg};
-use crate::simulation::feed::junction::{self, NORMAL_ACCELERATION_SHARE};
-use crate::simulation::feed::limits;
+use crate::simulation::feed::junction;
+use crate::simulation::feed::limits::{self, NORMAL_ACCELERATION_SHARE};
 use crate::simulation::toolpath::{Arc, Curve, Segment, Vector};
 
 /// Largest distance between circle and corner, as a part of the shorter leg.
@@ -142,7 +142,7 @@ pub fn shared(segment: &Segment, leg: Leg, machine: &Machine) -> Leg {
 /// allows, mm/s.
 fn halved(segment: &Segment, machine: &Machine) -> (f64, f64) {
     let own = PARABOLA_SHARE * limits::blended_acceleration(segment, machine);
-    (junction::acceleration(segment, own, machine), junction::arc_feedrate(segment, own, machine))
+    (junction::acceleration(segment, own, machine), limits::blended_arc_feedrate(segment, own, machine))
 }
 
 /// A corner between two legs.

@@ -35,9 +35,6 @@ use crate::machine::{Junction, Machine};
 use crate::simulation::feed::limits;
 use crate::simulation::toolpath::{Curve, Segment, Vector};
 
-/// Share of the acceleration that may turn the motion while a share of ½ remains along the path.
-pub const NORMAL_ACCELERATION_SHARE: f64 = 0.866_025_403_784_438_6;
-
 /// The geometry of a corner on which junction laws depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerTurn {
@@ -149,20 +146,8 @@ pub fn acceleration(segment: &Segment, own: f64, machine: &Machine) -> f64 {
     let Curve::Arc(arc) = &segment.curve else { return own };
     let curvature = arc.mean_radius() * (arc.sweep / segment.length).powi(2);
     let fastest = limits::axis_feedrate(segment, machine);
-    let normal = (fastest * fastest * curvature / own).min(NORMAL_ACCELERATION_SHARE);
+    let normal = (fastest * fastest * curvature / own).min(limits::NORMAL_ACCELERATION_SHARE);
     own * (1.0 - normal * normal).sqrt()
-}
-
-/// Returns the feedrate along an arc that leaves half the acceleration for ramps, mm/s; infinite along a line
-/// and under other junction laws.
-pub fn arc_feedrate(segment: &Segment, acceleration: f64, machine: &Machine) -> f64 {
-    match (&segment.curve, machine.interpolator.junction) {
-        (Curve::Arc(arc), junction) if junction.blends_in_time() => {
-            let curvature = arc.mean_radius() * (arc.sweep / segment.length).powi(2);
-            (NORMAL_ACCELERATION_SHARE * acceleration / curvature).sqrt()
-        }
-        _ => f64::INFINITY,
-    }
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@
 //! - the programmed feedrate times the feed override, or for a rapid the rapid feedrate r times the rapid
 //!   override, with r = min(r_path, min_k r_k / |u_k|): the axis that limits the move runs at its rapid
 //!   feedrate r_k, and diagonals are faster than single axes. LinuxCNC clamps the programmed feedrate to the
-//!   axes before the override multiplies it (emccanon.cc), so that an override of 80 % also slows a move that
-//!   an axis limits; grbl and Klipper clamp the product;
+//!   velocity of the axes, and on an arc to their acceleration, before the override multiplies it (emccanon.cc), so
+//!   that an override of 80 % also slows a move that an axis limits; grbl and Klipper clamp the product;
 //! - V_k / |u_k|: no axis k above its velocity limit; on an arc with the largest |u_k| on it. LinuxCNC limits an
 //!   arc to the V_k of the slower axis of its plane, however short the arc (emccanon.cc);
 //! - L Ω_k / |Δ_k|: no rotary axis k, which turns by Δ_k (rad) along the segment of length L, above its limit
@@ -40,7 +40,8 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
             rapid_feedrate(segment, machine).min(by_axes) * machine.overrides.of_rapid(segment.line.0)
         }
         Motion::Feed { feedrate } => {
-            clamped_before_override(feedrate, by_axes, machine) * machine.overrides.of_feed(segment.line.0)
+            clamped_before_override(feedrate, by_axes, segment, machine)
+                * machine.overrides.of_feed(segment.line.0)
         }
     };
     feedrate.min(rotary_feedrate(segment, machine)).min(by_axes)
@@ -48,16 +49,17 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
 
 /// Returns the feedrate that a feed override multiplies on a segment programmed at `feedrate` (mm/s), mm/s.
 pub fn overridable(feedrate: f64, segment: &Segment, machine: &Machine) -> f64 {
-    clamped_before_override(feedrate, axis_feedrate(segment, machine), machine)
+    clamped_before_override(feedrate, axis_feedrate(segment, machine), segment, machine)
 }
 
 /// Returns the feedrate that an override multiplies, mm/s, from the programmed feedrate and the limit of the
 /// axes `by_axes`, both mm/s.
-fn clamped_before_override(feedrate: f64, by_axes: f64, machine: &Machine) -> f64 {
-    match machine.interpolator.junction.blends_in_time() {
-        true => feedrate.min(by_axes),
-        false => feedrate,
+fn clamped_before_override(feedrate: f64, by_axes: f64, segment: &Segment, machine: &Machine) -> f64 {
+    if !machine.interpolator.junction.blends_in_time() {
+        return feedrate;
     }
+    let on_arc = blended_arc_feedrate(segment, blended_acceleration(segment, machine), machine);
+    feedrate.min(by_axes).min(on_arc)
 }
 
 /// Returns `true` if equal programmed feedrates always give equal requested feedrates: no axis has a velocity
@@ -165,6 +167,20 @@ pub fn blended_acceleration(segment: &Segment, machine: &Machine) -> f64 {
     along.min(weaker_of_plane(arc, machine, |axis| axis.acceleration))
 }
 
+/// Share of the acceleration that may turn the motion while a share of ½ remains along the path, √3/2 (LinuxCNC).
+pub const NORMAL_ACCELERATION_SHARE: f64 = 0.866_025_403_784_438_6;
+
+/// Returns the feedrate along an arc that leaves half the `acceleration` (mm/s²) for ramps, mm/s; infinite along a line,
+/// and where corners are not blends.
+pub fn blended_arc_feedrate(segment: &Segment, acceleration: f64, machine: &Machine) -> f64 {
+    match &segment.curve {
+        Curve::Arc(arc) if machine.interpolator.junction.blends_in_time() => {
+            (NORMAL_ACCELERATION_SHARE * acceleration / curvature(arc, segment.length)).sqrt()
+        }
+        _ => f64::INFINITY,
+    }
+}
+
 /// Returns the limit of the weaker axis of an arc's plane.
 fn weaker_of_plane(arc: &Arc, machine: &Machine, limit: fn(&Axis) -> f64) -> f64 {
     let in_plane = |k: usize| MIN_PLANE_COMPONENT < arc.e1[k].hypot(arc.e2[k]);
@@ -262,5 +278,17 @@ mod tests {
         // The axis across it sets no limit to an arc without a rise.
         machine.axes[2].velocity = 1.0;
         assert!((axis_feedrate(&arc(0.0), &machine) - 20.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_override_slows_what_linuxcnc_limits_by_acceleration() {
+        let mut machine = Machine::default();
+        machine.axes.iter_mut().for_each(|axis| axis.acceleration = 300.0);
+        machine.overrides.feed = 0.5;
+        assert_eq!(requested_feedrate(&arc(0.0), &machine), 50.0);
+        machine.interpolator.junction = Junction::AccelerationBlend;
+        // √(√3/2 · 300 mm/s² · 10 mm), below the programmed 100 mm/s.
+        let limit = (0.5 * 3f64.sqrt() * 300.0 * 10.0).sqrt();
+        assert!((requested_feedrate(&arc(0.0), &machine) - 0.5 * limit).abs() < 1e-9);
     }
 }

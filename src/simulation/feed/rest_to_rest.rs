@@ -163,7 +163,7 @@ impl SegmentLimits {
                     limits::acceleration(&segment, machine)
                 };
                 let own = positioning::acceleration(&segment, own, machine);
-                feedrate = feedrate.min(junction::arc_feedrate(&segment, own, machine));
+                feedrate = feedrate.min(limits::blended_arc_feedrate(&segment, own, machine));
                 accelerations.push(if is_blended {
                     junction::acceleration(&segment, own, machine)
                 } else {
