@@ -37,8 +37,10 @@ const MAX_LENGTH_RATIO: f64 = 1.25;
 /// Deviation of a control that blends as widely as its speed requires, mm: a corner of 90° between two legs
 /// at 3000 mm/min is rounded by this at about 500 mm/s².
 const WIDE_BLEND_MM: f64 = 1.0;
-/// Least distance of a sample from the ends of a line at which it counts, in deviations.
-const MIN_END_DISTANCE_RATIO: f64 = 4.0;
+/// Distance from a corner at which a blend begins, in its deviations: while the tool slows down along one leg by a
+/// constant deceleration over the distance r, and speeds up along the other, it passes a corner of 90° at r/4 from both;
+/// on a circle, at 0.29 r.
+const BLEND_REACH_RATIO: f64 = 4.0;
 /// Least number of such samples.
 const MIN_ON_LINES: usize = 20;
 /// Least part of such samples that lie on their line.
@@ -70,9 +72,13 @@ pub fn by_positions(
         toolpath,
         &AllowedDeviation::of(toolpath, Tolerances::One(WIDE_BLEND_MM), machine),
     );
-    match wide.ok().filter(|wide| keeps_to_lines(wide, toolpath, tolerance)) {
-        Some(wide) => Ok(wide),
-        None => placed.map_err(|error| with_hint(error, recording, toolpath, tolerance)),
+    let Ok(wide) = wide else {
+        return placed.map_err(|error| with_hint(error, recording, toolpath, tolerance));
+    };
+    let widest = largest_deviation(&wide, toolpath).max(WIDE_BLEND_MM);
+    match keeps_to_lines(&wide, toolpath, tolerance, BLEND_REACH_RATIO * widest) {
+        true => Ok(wide),
+        false => placed.map_err(|error| with_hint(error, recording, toolpath, tolerance)),
     }
 }
 
@@ -92,8 +98,23 @@ fn with_hint(
     }
 }
 
-/// Returns `true` if the tool followed long lines, away from their ends, within a `tolerance` (mm).
-fn keeps_to_lines(alignment: &Alignment, toolpath: &Toolpath, tolerance: f64) -> bool {
+/// Returns the largest distance of the tool from the path, mm.
+fn largest_deviation(alignment: &Alignment, toolpath: &Toolpath) -> f64 {
+    let Some(track) = &alignment.track else { return 0.0 };
+    let path = Path::new(toolpath, track.recorded);
+    alignment.fixes.iter().filter_map(|fix| deviation(track, &path, fix)).fold(0.0, f64::max)
+}
+
+/// Returns the distance of the tool from the path at a fix, mm, in the axes that were recorded.
+fn deviation(track: &Track, path: &Path, fix: &Fix) -> Option<f64> {
+    let (foot, _) = path.at(fix.distance)?;
+    let away = track.position[fix.sample?] - foot;
+    let recorded = (0..3).filter(|axis| track.recorded[*axis]);
+    Some(recorded.map(|axis| away[axis].powi(2)).sum::<f64>().sqrt())
+}
+
+/// Returns `true` if the tool followed long lines within a `tolerance` (mm), except within `reach` (mm) of their ends.
+fn keeps_to_lines(alignment: &Alignment, toolpath: &Toolpath, tolerance: f64, reach: f64) -> bool {
     let Some(track) = &alignment.track else { return false };
     let scale = scale(track, tolerance);
     let path = Path::new(toolpath, track.recorded);
@@ -101,16 +122,12 @@ fn keeps_to_lines(alignment: &Alignment, toolpath: &Toolpath, tolerance: f64) ->
     let (mut kept, mut seen) = (0, 0);
     for fix in &alignment.fixes {
         let index = distances.partition_point(|at| *at <= fix.distance).saturating_sub(1);
-        let is_away = |from: f64| MIN_END_DISTANCE_RATIO * WIDE_BLEND_MM < (fix.distance - from).abs();
+        let is_away = |from: f64| reach < (fix.distance - from).abs();
         let is_inside =
             index + 1 < distances.len() && is_away(distances[index]) && is_away(distances[index + 1]);
-        let Some(((foot, _), sample)) = path.at(fix.distance).zip(fix.sample).filter(|_| is_inside) else {
-            continue;
-        };
-        let away = track.position[sample] - foot;
-        let recorded = (0..3).filter(|axis| track.recorded[*axis]);
+        let Some(away) = deviation(track, &path, fix).filter(|_| is_inside) else { continue };
         seen += 1;
-        kept += usize::from(recorded.map(|axis| away[axis].powi(2)).sum::<f64>().sqrt() <= scale);
+        kept += usize::from(away <= scale);
     }
     MIN_ON_LINES <= seen && MIN_ON_LINES_RATIO * seen as f64 <= kept as f64
 }
@@ -187,6 +204,7 @@ fn within(
         remarks,
         shift,
         passes,
+        blends_widely: WIDE_BLEND_MM <= tolerance,
     };
     checked(alignment)
 }

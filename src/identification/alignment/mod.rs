@@ -129,6 +129,8 @@ pub struct Alignment {
     pub shift: Vector,
     /// Number of passes of the program in the recording.
     pub passes: usize,
+    /// `true` if the control blends corners as widely as their speed requires, not within a tolerance.
+    pub blends_widely: bool,
 }
 
 impl Alignment {
@@ -150,6 +152,7 @@ impl Alignment {
             remarks: Vec::new(),
             shift: Vector::zeros(),
             passes: 1,
+            blends_widely: false,
         }
     }
 

@@ -6,7 +6,8 @@
 //! end at 200 %.
 //!
 //! A tool that cuts corners travels less than the programmed length; if positions were recorded, the
-//! travelled length replaces it.
+//! travelled length replaces it. A blend runs at the feedrate of its faster leg; it takes half of the other leg at most,
+//! or any part of it if the control blends as widely as its speed requires.
 //!
 //! Times are known only to within a poll, so that the compared places are at least [`RESOLVED_POLLS`] polls
 //! of programmed time apart. Rapids, dwells and M-words are ignored.
@@ -82,7 +83,7 @@ fn median_ratio(mut spans: Vec<(f64, f64)>) -> f64 {
 fn checked_feed(alignment: &Alignment, toolpath: &Toolpath) -> Result<(), AlignmentError> {
     let interval = alignment.track.as_ref().map_or(0.0, |track| track.interval);
     let poll = alignment.poll.unwrap_or(interval);
-    let clock = CuttingClock::new(toolpath);
+    let clock = CuttingClock::new(toolpath, alignment.blends_widely);
     let odometer = Odometer::new(alignment);
     let (mut timed, mut too_fast) = (0.0, 0.0);
     let (mut stretches, mut contradictions) = (0, 0);
@@ -169,6 +170,8 @@ struct CuttingClock<'a> {
     distances: Vec<f64>,
     /// Cutting time before each segment, s, and the number of rapids and stops before it.
     before: Vec<(f64, usize)>,
+    /// `true` if the control blends as widely as its speed requires.
+    blends_widely: bool,
 }
 
 /// The values of a [`CuttingClock`] at a place.
@@ -182,9 +185,9 @@ struct ClockReading {
     line: u32,
 }
 
-/// Returns the largest mean feedrate of a segment that is cut, mm/s, if each of the blends with its
-/// neighbours takes half of it: a blend runs at the feedrate of its faster leg.
-fn fastest(toolpath: &Toolpath, index: usize) -> f64 {
+/// Returns the largest mean feedrate of a segment that is cut, mm/s, or of any part of it if the control blends as widely
+/// as its speed requires.
+fn fastest(toolpath: &Toolpath, index: usize, blends_widely: bool) -> f64 {
     let asked = |index: usize| match toolpath.segments.motion(index) {
         Motion::Feed { feedrate } => feedrate,
         Motion::Rapid => 0.0,
@@ -192,11 +195,11 @@ fn fastest(toolpath: &Toolpath, index: usize) -> f64 {
     let own = asked(index);
     let before = index.checked_sub(1).map_or(own, |before| own.max(asked(before)));
     let after = if index + 1 < toolpath.segments.len() { own.max(asked(index + 1)) } else { own };
-    2.0 / (1.0 / before + 1.0 / after)
+    if blends_widely { before.max(after) } else { 2.0 / (1.0 / before + 1.0 / after) }
 }
 
 impl<'a> CuttingClock<'a> {
-    fn new(toolpath: &'a Toolpath) -> CuttingClock<'a> {
+    fn new(toolpath: &'a Toolpath, blends_widely: bool) -> CuttingClock<'a> {
         let (mut seconds, mut pause, mut stop) = (0.0, 0, 0);
         let mut before = Vec::with_capacity(toolpath.segments.len() + 1);
         for (index, segment) in toolpath.segments.iter().enumerate() {
@@ -205,13 +208,13 @@ impl<'a> CuttingClock<'a> {
             }
             before.push((seconds, pause));
             match segment.motion {
-                Motion::Feed { .. } => seconds += segment.length / fastest(toolpath, index),
+                Motion::Feed { .. } => seconds += segment.length / fastest(toolpath, index, blends_widely),
                 // Places on a rapid and behind it are not comparable either.
                 Motion::Rapid => pause += 2,
             }
         }
         before.push((seconds, pause + toolpath.stops.len() - stop));
-        CuttingClock { toolpath, distances: toolpath.distances(), before }
+        CuttingClock { toolpath, distances: toolpath.distances(), before, blends_widely }
     }
 
     fn at(&self, place: ProgramPlace) -> ClockReading {
@@ -223,7 +226,8 @@ impl<'a> CuttingClock<'a> {
         let line = segment.line.0;
         match (segment.motion, place) {
             (Motion::Feed { .. }, _) => ClockReading {
-                seconds: seconds + (distance - self.distances[index]) / fastest(self.toolpath, index),
+                seconds: seconds
+                    + (distance - self.distances[index]) / fastest(self.toolpath, index, self.blends_widely),
                 distance,
                 pause,
                 line,

@@ -194,6 +194,7 @@ fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
         remarks: Vec::new(),
         shift: alignment.shift,
         passes: alignment.passes,
+        blends_widely: alignment.blends_widely,
         marks,
     };
     Some(Excerpt { toolpath: part, alignment, overrides: *overrides })
