@@ -20,8 +20,9 @@ const RIGHT: [(&str, &[&str]); 17] = [
     ("tool_change", &["unmodelled_wait"]),
     // No name is made for it: corners are passed by another law, or as with a smaller tolerance.
     ("arc_blends_off", &["junction_rule", "corner_tolerance"]),
-    // The slider cuts off feeds and rapids alike; which of them suffer depends on the program.
-    ("velocity_slider", &["feed_override", "rapid_override"]),
+    // The slider cuts off feeds and rapids alike; which of them suffer depends on the program. A limit of velocity must be
+    // that along the path.
+    ("velocity_slider", &["axis_velocity_limit", "feed_override", "rapid_override"]),
     ("servo_lag", &["servo_lag"]),
     ("backlash", &["backlash"]),
 ];
@@ -30,7 +31,10 @@ const RIGHT: [(&str, &[&str]); 17] = [
 pub fn is_right(kind: &str, value: &Value, cause: &Value) -> bool {
     let id = cause["id"].as_str().unwrap_or_default();
     let known = RIGHT.iter().any(|(name, ids)| *name == kind && ids.contains(&id));
-    let axis = value["axis"].as_str().filter(|_| kind.starts_with("axis_") || kind == "backlash");
+    let axis = match kind {
+        "velocity_slider" => Some("XYZ"),
+        _ => value["axis"].as_str().filter(|_| kind.starts_with("axis_") || kind == "backlash"),
+    };
     let named = cause["parameters"]["axis"].as_str();
     known && axis.is_none_or(|axis| named.is_none_or(|named| named == axis))
 }

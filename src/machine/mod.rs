@@ -228,6 +228,8 @@ pub struct PathModes {
 /// Limits along the path, whatever its direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathLimits {
+    /// Velocity along the path, of feeds and rapids, mm/s; neutral infinite.
+    pub velocity: f64,
     /// Acceleration along the path, mm/s²; neutral infinite.
     pub acceleration: f64,
     /// Jerk along the path of each change of the command, mm/s³; neutral infinite.
@@ -469,6 +471,7 @@ impl Default for Machine {
             },
             path_modes: PathModes::default(),
             path: PathLimits {
+                velocity: f64::INFINITY,
                 acceleration: f64::INFINITY,
                 jerk: f64::INFINITY,
                 limits_command: false,

@@ -200,7 +200,7 @@ fn prices<'a>(runs: &[Run], causes: impl Iterator<Item = &'a Candidate>) -> f64 
 
 /// Returns the price of a cause: that of its parameters and that of its rarity.
 fn price(runs: &[Run], candidate: &Candidate) -> f64 {
-    gates::price(runs, candidate.values.len()) + candidate.hypothesis.effect.rarity
+    gates::price(runs, candidate.values.len()) + candidate.hypothesis.rarity
 }
 
 /// Moves the better cause of the best pair to the front, if that pair is better than the best cause alone.

@@ -179,6 +179,8 @@ pub struct Hypothesis {
     pub is_continuous: bool,
     /// Number of words that the PLC answers in a wait that the hypothesis changes; 0 if it changes none.
     pub plc_words: usize,
+    /// Price of its rarity, in the unit of the cost.
+    pub rarity: f64,
     /// Function that returns the reported quantities of values.
     pub report: Report,
 }
@@ -205,6 +207,7 @@ impl Hypothesis {
             trials,
             is_continuous: true,
             plc_words: 0,
+            rarity: effect.rarity,
             report,
         }
     }
@@ -228,6 +231,11 @@ impl Hypothesis {
     /// Returns the hypothesis with values between the trials marked as meaningless.
     pub fn at_trials_only(self) -> Hypothesis {
         Hypothesis { is_continuous: false, ..self }
+    }
+
+    /// Returns the hypothesis of a variant that is rarer than others of its effect.
+    pub fn with_rarity(self, rarity: f64) -> Hypothesis {
+        Hypothesis { rarity, ..self }
     }
 
     /// Returns the hypothesis of a wait in which the PLC answers this number of words.

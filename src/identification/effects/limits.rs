@@ -92,20 +92,27 @@ fn accelerations(effect: Effect, handle: Handle, axis: Option<String>) -> Vec<Hy
     vec![of(false), of(true)]
 }
 
+/// Axes of a limit of the velocity along the path, whatever the direction.
+pub const ALONG_PATH: &str = "XYZ";
+/// Rarity of a limit along the path, which an operator sets: one for every twenty changes of an override (2 ln 20).
+const OF_PATH_LIMITS: f64 = 6.0;
+
+/// Returns the hypotheses of a velocity limit of each axis that moves, and of one along the path.
 pub fn axis_velocities(effect: Effect, context: &Context) -> Vec<Hypothesis> {
-    let of_axis = |axis: usize| {
-        let fastest = context.axis_feedrate[axis];
+    let of = |handle: Handle, fastest: f64, axes: String| {
         let bounds = (1e-3 * fastest, 2.0 * fastest);
-        let freed =
-            FreeParameter::new(axis_handle(axis, "velocity_mm_min"), fastest, bounds, VariationScale::Ratio);
-        let name = AXES[axis].to_string();
-        let word = name.clone();
+        let freed = FreeParameter::new(handle, fastest, bounds, VariationScale::Ratio);
+        let word = axes.clone();
         let report = move |value| {
             vec![(AXIS, Reported::Word(word.clone())), (VELOCITY, Reported::Number(mm_per_min(value)))]
         };
-        Hypothesis::single(effect, freed, ratios(0.02 * fastest, 0.97 * fastest, 14), report).variant(name)
+        Hypothesis::single(effect, freed, ratios(0.02 * fastest, 0.97 * fastest, 14), report).variant(axes)
     };
-    moved(context).map(of_axis).collect()
+    let of_axis = |axis: usize| {
+        of(axis_handle(axis, "velocity_mm_min"), context.axis_feedrate[axis], AXES[axis].to_string())
+    };
+    let along_path = of(Handle::number("path.velocity_mm_min"), context.feedrate, ALONG_PATH.to_string());
+    moved(context).map(of_axis).chain([along_path.with_rarity(OF_PATH_LIMITS)]).collect()
 }
 
 pub fn centripetal_acceleration(effect: Effect, context: &Context) -> Vec<Hypothesis> {

@@ -84,8 +84,13 @@ effects! {
     /// Velocity limit of an axis.
     AXIS_VELOCITY_LIMIT {
         id: "axis_velocity_limit", nature: Nature::Limit, offered: limits::axis_velocities,
-        vendors: "MAX_AX_VELO (Siemens), No. 1422 (Fanuc), MP1010 (Heidenhain), $110–$112 (grbl)",
-        sentence: |f| format!("Axis {} moves at {} mm/min at most{}.", f.word(of::AXIS), f.number(of::VELOCITY), f.costs()),
+        vendors: "MAX_AX_VELO (Siemens), No. 1422 (Fanuc), MP1010 or F LIMIT (Heidenhain), $110–$112 (grbl), maximum velocity (LinuxCNC)",
+        sentence: |f| match f.word(of::AXIS) {
+            limits::ALONG_PATH => format!(
+                "The machine moves at {} mm/min along the path at most, in feed and rapid{}.", f.number(of::VELOCITY), f.costs()
+            ),
+            axis => format!("Axis {axis} moves at {} mm/min at most{}.", f.number(of::VELOCITY), f.costs()),
+        },
     }
     /// Jerk limit along the path, of rapids, or behind the filters' time constants.
     JERK_LIMIT {

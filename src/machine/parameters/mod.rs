@@ -78,7 +78,7 @@ const NAMES: [Parameter; 2] = [
     },
 ];
 
-const GENERAL: [Parameter; 27] = [
+const GENERAL: [Parameter; 28] = [
     Parameter {
         key: "interpolator.filters",
         label: "Filters",
@@ -188,6 +188,8 @@ const GENERAL: [Parameter; 27] = [
             },
         ),
     },
+    row!("path.velocity_mm_min", "Path velocity limit", limit MillimetrePerMinute (1.0, 1e6) [path.velocity],
+        "Largest velocity along the path in feed and rapid, as an operator sets it; empty: no limit."),
     row!("path.acceleration_mm_s2", "Path acceleration limit", limit MillimetrePerSecond2 (1.0, 1e6) [path.acceleration],
         "Largest acceleration along the path; empty: no limit."),
     row!("path.centripetal_acceleration_mm_s2", "Centripetal acceleration limit", limit MillimetrePerSecond2 (1.0, 1e6) [path.centripetal_acceleration],

@@ -9,6 +9,8 @@
 //!   that an override of 80 % also slows a move that an axis limits; grbl and Klipper clamp the product;
 //! - V_k / |u_k|: no axis k above its velocity limit; on an arc with the largest |u_k| on it. LinuxCNC limits an
 //!   arc to the V_k of the slower axis of its plane, however short the arc (emccanon.cc);
+//! - the velocity limit along the path, which acts behind the overrides, on feeds and rapids (in LinuxCNC the slider of
+//!   the maximum velocity);
 //! - L Ω_k / |Δ_k|: no rotary axis k, which turns by Δ_k (rad) along the segment of length L, above its limit
 //!   Ω_k (rad/s);
 //! - √(24 ε / (ΣTi² κ)): on an arc of curvature κ and radius r the filtered path runs inside the arc by v²
@@ -32,7 +34,7 @@ use crate::machine::{Axis, Machine};
 use crate::simulation::filter::FilterChain;
 use crate::simulation::toolpath::{Arc, Curve, Motion, Segment, Vector};
 
-/// Returns the requested feedrate, mm/s: programmed or rapid, with override and axis velocity limits.
+/// Returns the requested feedrate, mm/s: programmed or rapid, with overrides and velocity limits.
 pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     let by_axes = axis_feedrate(segment, machine);
     let feedrate = match segment.motion {
@@ -44,7 +46,7 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
                 * machine.overrides.of_feed(segment.line.0)
         }
     };
-    feedrate.min(rotary_feedrate(segment, machine)).min(by_axes)
+    feedrate.min(rotary_feedrate(segment, machine)).min(by_axes).min(machine.path.velocity)
 }
 
 /// Returns the feedrate that a feed override multiplies on a segment programmed at `feedrate` (mm/s), mm/s.
