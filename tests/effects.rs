@@ -130,3 +130,29 @@ fn a_wait_at_s_words_is_a_full_stop_and_its_time() {
     assert!(times[0] + 4.0 * 0.5 < times[1], "{times:?}");
     assert!((times[2] - times[1] - 4.0).abs() < 1e-9, "{times:?}");
 }
+
+/// A limit along the path, which cuts off feeds and rapids alike.
+#[test]
+fn a_velocity_limit_along_the_path_is_no_override() {
+    let believed = Machine::default();
+    let mut truth = believed.clone();
+    truth.path.velocity = 40.0;
+    let rows = (0..8).map(|row| {
+        let y = 6 * row;
+        format!("G0 X60 Y{y}\nG1 Z-1 F600\nX0 F3600\nY{} F1200\nX60\nG0 Z2\n", y + 3)
+    });
+    let text = format!("G21 G90\nG0 Z2\n{}M30\n", rows.collect::<String>());
+    let toolpath = trace(&gcode::read(text.as_bytes()), &believed);
+    let samples = Profile::new(&toolpath, &simulate(&toolpath, &truth)).samples(Resolution::FINE);
+    let fastest = samples.feedrate.iter().copied().fold(0.0, f64::max);
+    assert!((fastest - 40.0).abs() < 1e-9, "{fastest} mm/s");
+    let log = read(profile_csv(&samples).as_bytes()).expect("a log");
+    let alignment = align(&log.recordings[0], &toolpath, &believed).expect("it is of this program");
+    let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+    let diagnosis = diagnose(&believed, &runs, &mut |_| {});
+    let found: Vec<_> = (diagnosis.causes.iter())
+        .map(|cause| (cause.candidate.hypothesis.effect.id, cause.candidate.hypothesis.variant.as_str()))
+        .collect();
+    assert_eq!(found, [("axis_velocity_limit", "XYZ")]);
+    assert!((diagnosis.machine.path.velocity - 40.0).abs() < 0.1, "{:?}", diagnosis.machine.path);
+}
