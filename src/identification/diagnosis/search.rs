@@ -100,18 +100,23 @@ pub fn with_next(
     let fine = looked.evidence(&best.hypothesis.machine(&current, &best.values));
     let mut refined = refined(base, &current, &fine, &good, &before);
     progress(0.85);
-    if named.is_empty() {
-        put_best_of_pairs_first(base, &fine, &mut refined);
-    }
+    let partner = if named.is_empty() { put_best_of_pairs_first(base, &fine, &mut refined) } else { None };
     progress(0.95);
     if named.is_empty()
         && let Some(both) = awaited_stops_first(base, looked, &fine, refined.first().map(|(best, _)| best))
     {
         return Some(both);
     }
-    let (found, others) = refined.iter().enumerate().find_map(|(at, (candidate, others))| {
-        passed(base, &before, looked, &fine, (candidate, others), &refined[at + 1..])
+    let (at, (found, others)) = refined.iter().enumerate().find_map(|(at, (candidate, others))| {
+        Some((at, passed(base, &before, looked, &fine, (candidate, others), &refined[at + 1..])?))
     })?;
+    if let Some((second, first)) = partner.filter(|_| at == 0)
+        && let Some((second, first)) =
+            passed(base, &[found.candidate.clone()], looked, &fine, (&second, &first), &[])
+    {
+        let first = first.into_iter().map(|candidate| AcceptedCause { candidate, ..found.clone() });
+        return Some(first.chain([second]).collect());
+    }
     let refitted = named.iter().zip(others);
     let mut all: Vec<AcceptedCause> =
         refitted.map(|(named, candidate)| AcceptedCause { candidate, ..named.clone() }).collect();
@@ -176,8 +181,10 @@ fn refined(
     sort_by_number(&mut good, |one| one.cost);
     good.truncate(REFINED);
     let speeds = Speeds::of(current, fine.runs);
+    // A halt changes no feedrate; what was fitted beside it may.
     let is_as_close = |candidate: &Candidate, others: &[Candidate]| {
-        speeds.are_kept(&with_all(base, &together(candidate, others)))
+        candidate.hypothesis.effect.nature == Nature::Halt
+            || speeds.are_kept(&with_all(base, &together(candidate, others)))
     };
     let mut refined: Vec<_> = good.iter().map(|candidate| fine.refined(base, candidate, named)).collect();
     refined.retain(|(candidate, others)| {
@@ -203,10 +210,15 @@ fn price(runs: &[Run], candidate: &Candidate) -> f64 {
     gates::price(runs, candidate.values.len()) + candidate.hypothesis.rarity
 }
 
-/// Moves the better cause of the best pair to the front, if that pair is better than the best cause alone.
-fn put_best_of_pairs_first(base: &Machine, fine: &Evidence, refined: &mut Vec<(Candidate, Vec<Candidate>)>) {
-    let Some((alone, _)) = refined.first() else { return };
-    let mut best = (0, priced(fine.runs, &[alone]));
+/// Moves the better cause of the best pair to the front, if that pair is better than the best cause alone, and returns
+/// the other cause, fitted together with the better one, which follows it.
+fn put_best_of_pairs_first(
+    base: &Machine,
+    fine: &Evidence,
+    refined: &mut Vec<(Candidate, Vec<Candidate>)>,
+) -> Option<(Candidate, Vec<Candidate>)> {
+    let (alone, _) = refined.first()?;
+    let (mut best, mut partner) = ((0, priced(fine.runs, &[alone])), None);
     for (at, (first, _)) in refined.iter().enumerate() {
         for (second, _) in &refined[at + 1..] {
             let (own, other) = (&first.hypothesis, &second.hypothesis);
@@ -218,15 +230,16 @@ fn put_best_of_pairs_first(base: &Machine, fine: &Evidence, refined: &mut Vec<(C
             {
                 continue;
             }
-            let (first, others) = fine.refined(base, first, std::slice::from_ref(second));
-            let cost = priced(fine.runs, &[&first, &others[0]]);
+            let (second, first) = fine.refined(base, second, std::slice::from_ref(first));
+            let cost = priced(fine.runs, &[&second, &first[0]]);
             if cost < best.1 {
-                best = (at, cost);
+                (best, partner) = ((at, cost), Some((second, first)));
             }
         }
     }
     let first = refined.remove(best.0);
     refined.insert(0, first);
+    partner
 }
 
 /// Returns stops at the ends of blocks and the wait for position at them. `None` unless the two together are worth more
