@@ -31,7 +31,7 @@ impl Handle {
         Handle { row, entry: Some(number) }
     }
 
-    /// Returns the handle of the row with this key, whose value is not a number but a list or a choice.
+    /// Returns the handle of the row with this key, whatever the type of its value.
     ///
     /// # Panics
     ///

@@ -6,10 +6,11 @@
 //! saved, the machine has it in all axes; otherwise the calibration tries X and Y alone.
 
 use crate::identification::calibration::judgement::Judgement;
-use crate::identification::calibration::motion::{ACCELERATIONS, axis_of};
+use crate::identification::calibration::motion::axis_of;
 use crate::identification::calibration::{Estimate, MIN_CONTRADICTING_COST, ParameterVerdict};
+use crate::identification::effects::parameters::AXIS_ACCELERATION;
 use crate::identification::fit::{Fit, FreeParameter};
-use crate::machine::{Handle, Machine};
+use crate::machine::Machine;
 
 /// Groups of axes that may be alike; the group that saves most values comes first.
 const GROUPS: [&[usize]; 2] = [&[0, 1, 2], &[0, 1]];
@@ -37,10 +38,10 @@ pub fn alike(
 /// parameter has the key of the first axis.
 pub fn of_each_axis(estimates: Vec<Estimate>, group: &[usize], before: &Machine) -> Vec<Estimate> {
     let of_group = |estimate: Estimate| -> Vec<Estimate> {
-        let is_one = group.first().is_some_and(|first| estimate.key == ACCELERATIONS[*first]);
+        let is_one = group.first().is_some_and(|first| estimate.key == AXIS_ACCELERATION[*first].key);
         let others = if is_one { &group[1..] } else { &[] };
         let of_axis = |axis: &usize| Estimate {
-            key: ACCELERATIONS[*axis].to_string(),
+            key: AXIS_ACCELERATION[*axis].key.to_string(),
             before: before.axes[*axis].acceleration,
             ..estimate.clone()
         };
@@ -62,11 +63,10 @@ fn as_one(judgement: &Judgement, group: &'static [usize]) -> Option<Judgement> {
     }
     let mean = (values.iter().map(|value| value.ln()).sum::<f64>() / values.len() as f64).exp();
     let (first, before) = &judgement.all[places[0]];
-    let one = FreeParameter::new(Handle::number(ACCELERATIONS[group[0]]), mean, first.bounds, first.scale)
-        .also(move |machine| {
-            let own = machine.axes[group[0]].acceleration;
-            group.iter().for_each(|axis| machine.axes[*axis].acceleration = own);
-        });
+    let one = first.starting_at(mean).also(move |machine| {
+        let own = machine.axes[group[0]].acceleration;
+        group.iter().for_each(|axis| machine.axes[*axis].acceleration = own);
+    });
     let mut as_one = judgement.clone();
     (as_one.all[places[0]], as_one.verdicts[places[0]]) = ((one, *before), ParameterVerdict::Fitted);
     for at in places[1..].iter().rev() {

@@ -6,13 +6,13 @@
 use crate::identification::calibration::motion::{motion, spindle_ramp};
 use crate::identification::calibration::rapids::RapidPlateaus;
 use crate::identification::calibration::{
-    BETTER_FAMILY, BETTER_STEPS, MIN_ORDER_COST_DROP, MIN_ORDER_COST_DROP_RATIO, ORDERS,
-    ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, families, polled, run_fit, set_order, steps, waits,
-    whitened, with_laws,
+    BETTER_FAMILY, BETTER_STEPS, MIN_ORDER_COST_DROP, MIN_ORDER_COST_DROP_RATIO, ROUGH_COST_TOLERANCE, Share,
+    assumed, at_own_noise, families, polled, run_fit, set_order, steps, waits, whitened, with_laws,
 };
 use crate::identification::comparison::Comparison;
+use crate::identification::effects::parameters::{FILTERS, PROGRAM_START};
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
-use crate::machine::{Handle, Machine, TimeConstants};
+use crate::machine::{Machine, TimeConstants};
 
 /// The common input of all fits of a calibration.
 pub struct Fitting<'a> {
@@ -53,7 +53,7 @@ impl<'a> Fitting<'a> {
         }
         if runs.iter().any(|run| run.starts()) {
             let seconds = (machine.times.start + waits::start_guess(&pairs)).max(0.0);
-            let freed = FreeParameter::wait(Handle::number("times.start_s"), seconds, (0.0, 600.0));
+            let freed = PROGRAM_START.calibrated(seconds);
             freed.apply(&mut guess, seconds);
             waits.push((freed, machine.times.start));
         }
@@ -106,7 +106,8 @@ impl<'a> Fitting<'a> {
         let mut orders = vec![(nominal, best.cost)];
         let mut model = Model { best, whitenings, order: nominal };
         let is_equal = matches!(self.machine.interpolator.time_constants, TimeConstants::Equal(_));
-        for order in ORDERS.filter(|order| *order != nominal && is_equal && shows_ramps) {
+        let others = FILTERS.guesses.iter().map(|order| *order as usize);
+        for order in others.filter(|order| *order != nominal && is_equal && shows_ramps) {
             self.share.part = 0.06;
             let mut start = model.best.machine.clone();
             set_order(&mut start, order);

@@ -7,15 +7,9 @@
 
 use crate::identification::calibration::nearest;
 use crate::identification::calibration::rapids::RapidPlateaus;
+use crate::identification::effects::parameters::{JUNCTION_RATIOS, MAX_OVERRIDE, PLANNER_ACCELERATION};
 use crate::identification::fit::{Run, Whitening};
 use crate::machine::{Junction, Machine, Planner};
-
-/// Accelerations tried first, mm/s².
-const ACCELERATIONS: [f64; 10] = [50.0, 100.0, 200.0, 350.0, 500.0, 800.0, 1300.0, 2500.0, 5000.0, 10_000.0];
-/// Values of the law of corners tried first, as ratios to the usual one.
-const CORNER_RATIOS: [f64; 7] = [0.05, 0.15, 0.4, 1.0, 2.5, 6.0, 20.0];
-/// Largest feed overrides for which LinuxCNC is set up, as ratios.
-const MAX_OVERRIDES: [f64; 4] = [1.0, 1.2, 1.5, 2.0];
 
 /// Returns the machine of each family that is nearest to the runs, before any fit. `machine` is the machine before
 /// the calibration; `fitted` has the waits and the rapid feed that filters need. If axes never exceeded a speed
@@ -30,9 +24,9 @@ pub fn guesses(
     let mut plain = fitted.clone();
     plain.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
     let guess = |(planner, has_limited_axes): (Planner, bool)| {
-        let at = |acceleration: f64| {
+        let at = |acceleration: &f64| {
             let mut of = plain.clone();
-            of.become_planner(planner, acceleration);
+            of.become_planner(planner, *acceleration);
             if planner != Planner::AccelerationBlend {
                 return vec![of];
             }
@@ -45,10 +39,10 @@ pub fn guesses(
             given.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
             vec![of, given]
         };
-        let ramps = ACCELERATIONS.into_iter().flat_map(at);
+        let ramps = PLANNER_ACCELERATION.guesses.iter().flat_map(at);
         let grid = ramps.flat_map(|of| with_rapids(planner, &of, machine, fitted, plateaus));
         let nearest_ramps = nearest(grid, runs, whitenings)?;
-        let corners = CORNER_RATIOS.map(|ratio| nearest_ramps.with_scaled_junction(ratio));
+        let corners = JUNCTION_RATIOS.map(|ratio| nearest_ramps.with_scaled_junction(ratio));
         let found = nearest(corners, runs, whitenings)?;
         match planner {
             Planner::AccelerationBlend => nearest(with_circles(&found), runs, whitenings),
@@ -73,13 +67,9 @@ pub fn chosen_again(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -
 
 /// Returns the machine with circles at corners, for each largest override that a control may plan them for.
 fn with_circles(planner: &Machine) -> Vec<Machine> {
-    let with = |ratio: f64| {
-        let mut machine = planner.clone();
-        machine.interpolator.junction = Junction::AccelerationBlend;
-        machine.interpolator.max_override = ratio;
-        machine
-    };
-    MAX_OVERRIDES.map(with).to_vec()
+    let mut machine = planner.clone();
+    machine.interpolator.junction = Junction::AccelerationBlend;
+    MAX_OVERRIDE.guesses_on(&machine)
 }
 
 /// Returns the machine with parabolas at corners.

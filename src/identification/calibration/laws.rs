@@ -3,11 +3,11 @@
 //!
 //! | law | parameter | first guesses |
 //! |---|---|---|
-//! | rapids have separate filters | `rapid.time_constant_s` | twice that of feed moves |
-//! | rapids run from standstill to standstill | `rapid.positioning_jerk_mm_s3` | as in `effects` |
+//! | rapids have separate filters | `rapid.time_constant_s` | ratios to that of feed moves |
+//! | rapids run from standstill to standstill | `rapid.positioning_jerk_mm_s3` | jerks with the rapid feedrate of the machine file |
 //! | ramps grow with the speed step | `path.jerk_mm_s3` | as in `effects`, with the same filters and shorter ones |
-//! | arcs are followed by a separate tolerance | `interpolator.arc_tolerance_mm` | `ARCS` of the contour tolerance |
-//! | arcs have a centripetal acceleration | `path.centripetal_acceleration_mm_s2` | `CENTRIPETAL` with `NO_TOLERANCE` |
+//! | arcs are followed by a separate tolerance | `interpolator.arc_tolerance_mm` | ratios to the contour tolerance |
+//! | arcs have a centripetal acceleration | `path.centripetal_acceleration_mm_s2` | accelerations with `NO_TOLERANCE` |
 //! | a word waits for the spindle | `times.spindle_awaited_by`, ramp and exponent | as in `spindle` |
 //!
 //! A law is fitted from the best of its first guesses even if all of them are worse than no law: the filters become
@@ -15,7 +15,7 @@
 //! arcs.
 
 use crate::identification::calibration::spindle;
-use crate::identification::effects::{self, POSITIONING_JERKS_MM_S3};
+use crate::identification::effects::{self, parameters};
 use crate::identification::fit::Run;
 use crate::machine::{Machine, TimeConstants};
 use crate::simulation::toolpath::Curve;
@@ -24,13 +24,6 @@ use crate::simulation::toolpath::Curve;
 pub const MIN_LAW_COST_DROP: f64 = 15.0;
 /// Least decrease of the cost for which another law is taken, as a part of the cost.
 pub const MIN_LAW_COST_DROP_RATIO: f64 = 0.01;
-/// Ratio of the time constant of rapid moves to that of feed moves, tried first.
-const RAPID_SLOWER: f64 = 2.0;
-/// Tolerances of arcs tried first, as ratios to that of corners.
-const ARCS: [f64; 3] = [0.3, 3.0, 30.0];
-
-/// Centripetal accelerations tried first, mm/s².
-const CENTRIPETAL: [f64; 6] = [100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0];
 /// Tolerance of arcs so wide that only the centripetal acceleration limits their feedrate, mm.
 const NO_TOLERANCE: f64 = 1.0;
 
@@ -57,16 +50,15 @@ fn rapids(before: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
     if is_named || !found.has_filters() || !runs.iter().any(Run::has_rapid) {
         return Vec::new();
     }
-    let mut own = found.clone();
-    own.rapid.time_constants = Some(TimeConstants::Equal(RAPID_SLOWER * constant));
-    let positioned = POSITIONING_JERKS_MM_S3.map(|jerk| {
+    let filtered = parameters::RAPID_TIME_CONSTANT.guesses.iter().map(|ratio| {
         let mut machine = found.clone();
-        machine.rapid.positioning_jerk = jerk;
-        // What filters needed for the time of rapids says nothing of the rate here.
-        machine.rapid.feedrate = before.rapid.feedrate;
+        machine.rapid.time_constants = Some(TimeConstants::Equal(ratio * constant));
         machine
     });
-    vec![vec![own], positioned.to_vec()]
+    let mut unfiltered = found.clone();
+    // What filters needed for the time of rapids says nothing of the rate here.
+    unfiltered.rapid.feedrate = before.rapid.feedrate;
+    vec![filtered.collect(), parameters::POSITIONING_JERK.guesses_on(&unfiltered)]
 }
 
 /// Returns the law of the ramps of the feedrate.
@@ -84,20 +76,15 @@ fn arcs(_: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
     if found.interpolator.arc_tolerance.is_some() || !found.has_filters() || !runs.iter().any(is_arc) {
         return Vec::new();
     }
-    let with = |ratio: f64| {
+    let with = |tolerance: f64| {
         let mut machine = found.clone();
-        machine.interpolator.arc_tolerance = Some(ratio * machine.interpolator.contour_tolerance);
+        machine.interpolator.arc_tolerance = Some(tolerance);
         machine
     };
-    let mut laws = vec![ARCS.map(with).to_vec()];
+    let own = found.interpolator.contour_tolerance;
+    let mut laws = vec![parameters::ARC_TOLERANCE.guesses.iter().map(|ratio| with(ratio * own)).collect()];
     if found.path.centripetal_acceleration.is_infinite() {
-        let limited = |acceleration: f64| {
-            let mut machine = found.clone();
-            machine.path.centripetal_acceleration = acceleration;
-            machine.interpolator.arc_tolerance = Some(NO_TOLERANCE);
-            machine
-        };
-        laws.push(CENTRIPETAL.map(limited).to_vec());
+        laws.push(parameters::CENTRIPETAL_ACCELERATION.guesses_on(&with(NO_TOLERANCE)));
     }
     laws
 }

@@ -34,7 +34,6 @@ mod waits;
 
 use nalgebra::DMatrix;
 
-pub use motion::{ACCELERATIONS, RAPIDS};
 pub use rapids::RapidPlateaus;
 pub use waits::guesses;
 
@@ -42,6 +41,7 @@ use crate::identification::alignment::Method;
 use crate::identification::calibration::choice::{Fitting, Model};
 use crate::identification::calibration::judgement::Judgement;
 use crate::identification::comparison::{Comparison, Durations, compare};
+use crate::identification::effects::parameters::PROGRAM_START;
 use crate::identification::fit::{
     Exactness, FTOL, Fit, FreeParameter, Run, VariationScale, Whitening, cost_of, fit,
 };
@@ -71,9 +71,6 @@ const MAX_DOUBTFUL_DEVIATIONS: f64 = 5.0;
 /// Cost tolerance of fits that are only compared with each other: the relative decrease of the cost below which
 /// they stop.
 const ROUGH_COST_TOLERANCE: f64 = 3e-3;
-/// Orders of filters tried.
-const ORDERS: std::ops::RangeInclusive<usize> = 1..=4;
-
 /// Ratio of the noise that a fit leaves to the noise before it, below which the fit is repeated.
 const MAX_NOISE_RATIO: f64 = 0.8;
 /// Largest number of these fits, the first one included.
@@ -348,7 +345,7 @@ fn settle_waits(last: &mut Fit, all: &[(FreeParameter, f64)], verdicts: &[Parame
         .map(|(kind, seconds, _)| (kind.handle(), *seconds))
         .collect();
     let start = last.machine.times.start + waits::start_guess(&pairs);
-    seconds.push((Handle::number("times.start_s"), start));
+    seconds.push((PROGRAM_START.handle(), start));
     let fitted = all.iter().zip(verdicts).filter(|(_, verdict)| **verdict == ParameterVerdict::Fitted);
     for (at, ((freed, _), _)) in fitted.enumerate() {
         if let Some((_, seconds)) = seconds.iter().find(|(handle, _)| *handle == freed.handle) {

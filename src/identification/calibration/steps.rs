@@ -11,22 +11,9 @@
 //! (`docs/diagnosis.md`).
 
 use crate::identification::calibration::nearest;
+use crate::identification::effects::parameters;
 use crate::identification::fit::{Run, Whitening};
-use crate::machine::{InPosition, Junction, Machine, PLANNER_FILTER_S, TimeConstants};
-
-/// Steps of velocity tried first, mm/s.
-const FIRST_VELOCITY_STEPS_MM_S: [f64; 4] = [1.0, 3.0, 8.0, 25.0];
-/// Jerks along the path tried first, mm/s³.
-const JERKS: [f64; 4] = [1e4, 3e4, 1e5, 3e5];
-/// Accelerations along the path from which fits start, mm/s²: one that limits the motion and one that hardly does.
-/// Time lost on ramps can be made up for at corners, so a fit may end at more than one place.
-const ACCELERATIONS: [f64; 2] = [500.0, 5000.0];
-/// Centripetal acceleration from which fits start, mm/s².
-const FIRST_CENTRIPETAL_MM_S2: f64 = 600.0;
-/// Turn from which on corners are stops, before it is fitted, rad.
-const FIRST_STOP_TURN_RAD: f64 = 0.44;
-/// Wait for position at these stops, before it is fitted, s.
-const FIRST_POSITION_WAIT_S: f64 = 0.03;
+use crate::machine::{InPosition, Machine, PLANNER_FILTER_S, TimeConstants};
 
 /// Returns the planner of each acceleration that is nearest to the runs, before any fit; empty if the machine does
 /// not have filters of one time constant. `machine` is the machine before the calibration; `fitted` has the values
@@ -40,19 +27,18 @@ pub fn guesses(machine: &Machine, fitted: &Machine, runs: &[Run], whitenings: &[
     interpolator.time_constants = TimeConstants::Equal(PLANNER_FILTER_S / interpolator.filters as f64);
     interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
     interpolator.arc_tolerance = None;
-    interpolator.slowing_angle = interpolator.slowing_angle.min(FIRST_STOP_TURN_RAD);
-    plain.path.centripetal_acceleration = plain.path.centripetal_acceleration.min(FIRST_CENTRIPETAL_MM_S2);
-    plain.halts.in_position = plain.halts.in_position.max(FIRST_POSITION_WAIT_S);
+    interpolator.slowing_angle = interpolator.slowing_angle.min(parameters::SLOWING_ANGLE.guesses[0]);
+    plain.path.centripetal_acceleration =
+        plain.path.centripetal_acceleration.min(parameters::FIRST_CENTRIPETAL_MM_S2);
+    plain.halts.in_position = plain.halts.in_position.max(parameters::IN_POSITION_WAIT.guesses[0]);
     plain.halts.in_position_at = InPosition::ExactStops;
-    let guess = |acceleration: f64| {
-        let pairs = JERKS.iter().flat_map(|jerk| FIRST_VELOCITY_STEPS_MM_S.map(|step| (*jerk, step)));
-        let planners = pairs.map(|(jerk, step)| {
-            let mut planner = plain.clone();
-            planner.interpolator.junction = Junction::AxisStep(step);
-            (planner.path.acceleration, planner.path.jerk) = (acceleration, jerk);
-            planner
-        });
-        nearest(planners, runs, whitenings)
+    let guess = |planner: Machine| {
+        let ramps = parameters::PATH_JERK.guesses_on(&planner);
+        nearest(
+            ramps.iter().flat_map(|ramps| parameters::AXIS_VELOCITY_STEP.guesses_on(ramps)),
+            runs,
+            whitenings,
+        )
     };
-    ACCELERATIONS.into_iter().filter_map(guess).collect()
+    parameters::PATH_ACCELERATION.guesses_on(&plain).into_iter().filter_map(guess).collect()
 }

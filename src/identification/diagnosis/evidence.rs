@@ -1,12 +1,11 @@
 //! The evidence of the runs for or against a machine, as one number: the cost of the whitened residuals.
 
-use crate::identification::calibration::{ACCELERATIONS, RAPIDS};
 use crate::identification::effects::Hypothesis;
+use crate::identification::effects::parameters::{AXIS_ACCELERATION, AXIS_RAPID, Adjustable, RAPID_FEEDRATE};
 use crate::identification::fit::{
-    FTOL, Fit, FreeParameter, Run, VariationScale, Whitening, cost_of, dispersion, fit, golden_section,
-    whitened,
+    FTOL, Fit, FreeParameter, Run, Whitening, cost_of, dispersion, fit, golden_section, whitened,
 };
-use crate::machine::{Handle, Machine};
+use crate::machine::Machine;
 
 /// Number of golden-section steps around the best of the points between two trials.
 const SECTIONS: usize = 5;
@@ -202,29 +201,21 @@ impl<'a> Evidence<'a> {
     }
 }
 
-/// Bounds of an acceleration or a rapid rate, as ratios to the value that the calibration assumed.
-const ASSUMED_BOUNDS: (f64, f64) = (0.1, 10.0);
-
 /// Returns the parameters of a machine that no run of its calibration determined: accelerations and rapid rates, the
 /// latter of the axes or along the path.
 pub fn assumed(machine: &Machine) -> Vec<FreeParameter> {
-    let of = |key: &str| {
-        let handle = Handle::number(key);
-        let own = handle.get(machine).filter(|own| own.is_finite())?;
-        Some(FreeParameter::new(
-            handle,
-            own,
-            (ASSUMED_BOUNDS.0 * own, ASSUMED_BOUNDS.1 * own),
-            VariationScale::Ratio,
-        ))
+    let of = |parameter: Adjustable| {
+        let own = parameter.handle().get(machine).filter(|own| own.is_finite())?;
+        Some(parameter.assumed(own))
     };
     let on = &machine.calibrated_on;
-    let among = |keys: [&'static str; 3], assumed: [bool; 3]| {
-        keys.into_iter().zip(assumed).filter_map(|(key, is_assumed)| is_assumed.then_some(key))
+    let among = |parameters: [Adjustable; 3], assumed: [bool; 3]| {
+        let pairs = parameters.into_iter().zip(assumed);
+        pairs.filter_map(|(parameter, is_assumed)| is_assumed.then_some(parameter))
     };
-    let accelerations = among(ACCELERATIONS, on.assumed_accelerations);
-    let along_path = (on.assumed_rapids == [true; 3]).then_some("rapid.feed_mm_min");
-    accelerations.chain(among(RAPIDS, on.assumed_rapids)).chain(along_path).filter_map(of).collect()
+    let accelerations = among(AXIS_ACCELERATION, on.assumed_accelerations);
+    let along_path = (on.assumed_rapids == [true; 3]).then_some(RAPID_FEEDRATE);
+    accelerations.chain(among(AXIS_RAPID, on.assumed_rapids)).chain(along_path).filter_map(of).collect()
 }
 
 /// Returns the standard deviation of a first parameter that is known to be nearer to the trial `at` than to those

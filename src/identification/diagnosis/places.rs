@@ -14,10 +14,10 @@ use crate::identification::diagnosis::evidence::Evidence;
 use crate::identification::diagnosis::gates::MIN_COST_REDUCTION;
 use crate::identification::diagnosis::rests::{Rest, rests};
 use crate::identification::effects::{
-    FEED_OVERRIDE, FROM_DISTANCE, FROM_LINE, Hypothesis, RATIO, Reported, TO_DISTANCE, TO_LINE,
+    FEED_OVERRIDE, FROM_DISTANCE, FROM_LINE, Hypothesis, RATIO, Reported, TO_DISTANCE, TO_LINE, parameters,
 };
-use crate::identification::fit::{FreeParameter, Run, VariationScale, golden_section};
-use crate::machine::{Handle, Machine};
+use crate::identification::fit::{Run, golden_section};
+use crate::machine::Machine;
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::Motion;
 
@@ -106,10 +106,7 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     }
     span = span.as_shown(run, &distances);
     let of_path = span.of_path();
-    let freed =
-        FreeParameter::new(Handle::number("override.feed"), ratio, (0.01, 2.0), VariationScale::Ratio)
-            .exact()
-            .also(move |machine| machine.overrides.span = of_path);
+    let freed = parameters::FEED_OVERRIDE.tried().also(move |machine| machine.overrides.span = of_path);
     let line_of = |distance: f64| f64::from(line_at(run, distance, &distances));
     let edges = [(span.from, FROM_DISTANCE, FROM_LINE), (span.to, TO_DISTANCE, TO_LINE)];
     let known = edges.into_iter().filter_map(|(edge, distance, line)| {

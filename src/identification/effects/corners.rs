@@ -1,36 +1,33 @@
 //! Effects at corners and arcs: tolerances, junction laws, and the smoothing of lines and corners.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
+use crate::identification::effects::parameters::{self, Adjustable, WIDEST_JOINT_MM};
 use crate::identification::effects::report::{
     ARC_TOLERANCE, AT, CONTOUR_TOLERANCE, RULE, Reported, TOLERANCE, VALUE,
 };
-use crate::identification::fit::{FreeParameter, Run, VariationScale};
-use crate::machine::{Handle, Junction, Machine};
+use crate::identification::fit::Run;
+use crate::machine::{Junction, Machine};
 use crate::simulation::feed::rounding;
 use crate::simulation::toolpath::{Curve, Motion, Segment};
 use crate::units::mm_per_min;
-
-/// Bounds of a contour tolerance, mm.
-const TOLERANCE_BOUNDS_MM: (f64, f64) = (1e-5, 5.0);
 
 pub fn tolerances(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let machine = context.machine;
     let own = machine.interpolator.contour_tolerance;
     // Where the program sets the tolerance, the control may hold another one.
-    let (key, trials) = match context.has_tolerance {
-        true => ("path_modes.tolerance_override_mm", ratios(5e-4, 0.5, 12)),
+    let (parameter, trials) = match context.has_tolerance {
+        true => (parameters::TOLERANCE_OVERRIDE, ratios(5e-4, 0.5, 12)),
         // One that blends freely has none to begin from.
         false if machine.interpolator.junction.blends_in_time() => {
-            ("interpolator.contour_tolerance_mm", ratios(5e-4, 0.5, 12))
+            (parameters::CONTOUR_TOLERANCE, ratios(5e-4, 0.5, 12))
         }
         false => {
             let parts = [0.05, 0.15, 0.3, 0.5, 0.75, 0.9, 1.1, 1.3, 2.0, 3.5, 8.0];
-            ("interpolator.contour_tolerance_mm", parts.iter().map(|ratio| ratio * own).collect())
+            (parameters::CONTOUR_TOLERANCE, parts.iter().map(|ratio| ratio * own).collect())
         }
     };
-    let freed = FreeParameter::new(Handle::number(key), own, TOLERANCE_BOUNDS_MM, VariationScale::Ratio);
     let report = |value| vec![(CONTOUR_TOLERANCE, Reported::Number(value))];
-    let mut all = vec![Hypothesis::single(effect, freed, trials, report)];
+    let mut all = vec![Hypothesis::single(effect, parameter.tried(), trials, report)];
     all.extend(arcs(effect, machine).filter(|_| context.has_arc));
     all
 }
@@ -44,8 +41,7 @@ fn arcs(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
     if machine.interpolator.junction != Junction::Tolerance || held.is_some() {
         return None;
     }
-    let handle = Handle::number("interpolator.arc_tolerance_mm");
-    let freed = FreeParameter::new(handle, 10.0 * own, (5.0 * own, 1e5 * own), VariationScale::Ratio);
+    let freed = parameters::ARC_TOLERANCE.tried_around(own);
     let trials = [10.0, 30.0, 100.0].iter().map(|ratio| ratio * own).collect();
     let report = |value| vec![(AT, Reported::word("arcs")), (ARC_TOLERANCE, Reported::Number(value))];
     Some(Hypothesis::single(effect, freed, trials, report).variant("arcs"))
@@ -56,22 +52,19 @@ pub fn junctions(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     // Two of these laws are laws of an acceleration, and mean nothing without one.
     let is_accelerated = machine.path.acceleration.is_finite()
         || machine.axes.iter().any(|axis| axis.acceleration.is_finite());
-    let rule = |word: &'static str, key: &str, trials: Vec<f64>, unit: fn(f64) -> f64| {
-        // Below the least of them every corner is a full stop, which is another cause.
-        let freed =
-            FreeParameter::new(Handle::number(key), trials[0], (0.5 * trials[0], 1e5), VariationScale::Ratio);
+    let rule = |word: &'static str, parameter: Adjustable, trials: Vec<f64>, unit: fn(f64) -> f64| {
         let report = move |value| vec![(RULE, Reported::word(word)), (VALUE, Reported::Number(unit(value)))];
-        Hypothesis::single(effect, freed, trials, report).variant(word.replace('_', " "))
+        Hypothesis::single(effect, parameter.tried(), trials, report).variant(word.replace('_', " "))
     };
     let mut all = Vec::new();
     if is_accelerated {
-        let trials = ratios(1e-3, 0.3, 8);
-        all.push(rule("junction_deviation", "interpolator.junction_deviation_mm", trials, |value| value));
-        let (key, trials) = ("interpolator.square_corner_velocity_mm_min", ratios(0.3, 60.0, 8));
-        all.push(rule("square_corner_velocity", key, trials, mm_per_min));
+        let (parameter, trials) = (parameters::JUNCTION_DEVIATION, ratios(1e-3, 0.3, 8));
+        all.push(rule("junction_deviation", parameter, trials, |value| value));
+        let (parameter, trials) = (parameters::SQUARE_CORNER_VELOCITY, ratios(0.3, 60.0, 8));
+        all.push(rule("square_corner_velocity", parameter, trials, mm_per_min));
     }
-    let (key, trials) = ("interpolator.axis_velocity_step_mm_min", ratios(0.3, 60.0, 10));
-    all.push(rule("axis_velocity_step", key, trials, mm_per_min));
+    let (parameter, trials) = (parameters::AXIS_VELOCITY_STEP, ratios(0.3, 60.0, 10));
+    all.push(rule("axis_velocity_step", parameter, trials, mm_per_min));
     all.extend(parabolas(effect, machine));
     all
 }
@@ -83,8 +76,8 @@ fn parabolas(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
     if machine.interpolator.junction != Junction::AccelerationBlend {
         return None;
     }
-    let handle = Handle::number("interpolator.max_override_percent");
-    let freed = FreeParameter::new(handle, 1.0, (1.0, 10.0), VariationScale::Ratio)
+    let freed = parameters::MAX_OVERRIDE
+        .tried()
         .also(|machine| machine.interpolator.junction = Junction::ParabolicBlend);
     let report = |_| vec![(RULE, Reported::word("parabolic_blend"))];
     Some(Hypothesis::single(effect, freed, vec![1.0], report).variant("parabolas").at_trials_only())
@@ -98,29 +91,24 @@ pub fn smoothings(effect: Effect, context: &Context) -> Vec<Hypothesis> {
 /// Returns the hypothesis that the control merges lines within a distance. Merging acts on whole lines, so values
 /// between two trials may change nothing. Controls that are known to have LinuxCNC's junctions merge lines by
 /// default; for them the hypothesis also tries 0, no merging. For the others it is `None` if no joint of lines is
-/// within `WIDEST_JOINT`.
+/// within `WIDEST_JOINT_MM`.
 fn smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<Hypothesis> {
-    let handle = Handle::number("interpolator.path_smoothing_mm");
-    let freed = FreeParameter::new(handle, 0.02, (0.0, 10.0), VariationScale::Difference);
     let trials = match machine.interpolator.junction {
         Junction::AccelerationBlend | Junction::ParabolicBlend | Junction::ExactPath => {
             std::iter::once(0.0).chain(ratios(1e-3, 1.0, 31)).collect()
         }
         _ => {
             let least = least_joint(runs);
-            if WIDEST_JOINT < least {
+            if WIDEST_JOINT_MM < least {
                 return None;
             }
-            ratios(least.max(1e-3), WIDEST_JOINT, 14)
+            ratios(least.max(1e-3), WIDEST_JOINT_MM, 14)
         }
     };
     let report = |value| vec![(TOLERANCE, Reported::Number(value))];
+    let freed = parameters::PATH_SMOOTHING.tried();
     Some(Hypothesis::single(effect, freed, trials, report).at_trials_only())
 }
-
-/// Largest distance of the joint of two lines from their chord at which a control smooths it, mm; a joint farther
-/// away is a corner.
-const WIDEST_JOINT: f64 = 0.3;
 
 /// Returns the least non-zero distance (mm) of the joint of two feed moves along lines from their chord, the line
 /// from the start of the first to the end of the second; infinity if there is none.
@@ -152,7 +140,7 @@ fn corner_smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<H
     let corners = runs.iter().flat_map(|run| run.toolpath.segments.pairs());
     let mut distances: Vec<f64> = corners
         .filter_map(|(before, after)| rounding(&before, &after))
-        .filter(|distance| (1e-4..WIDEST_JOINT).contains(distance))
+        .filter(|distance| (1e-4..WIDEST_JOINT_MM).contains(distance))
         .collect();
     distances.sort_by(f64::total_cmp);
     let last = distances.len().checked_sub(1)?;
@@ -160,8 +148,7 @@ fn corner_smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<H
         .map(|part| TRIED_DISTANCE_RATIO * distances[last * part / CORNER_GROUPS])
         .collect();
     trials.dedup_by(|b, a| *b < 1.01 * *a);
-    let handle = Handle::number("interpolator.corner_smoothing_mm");
-    let freed = FreeParameter::new(handle, trials[0], (5e-5, 2.0 * WIDEST_JOINT), VariationScale::Ratio);
+    let freed = parameters::CORNER_SMOOTHING.tried();
     let report = |value| vec![(TOLERANCE, Reported::Number(value)), (AT, Reported::word("corners"))];
     Some(Hypothesis::single(effect, freed, trials, report).variant("corners"))
 }

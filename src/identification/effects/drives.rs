@@ -1,18 +1,15 @@
 //! Effects of the drives on the form of the path; they take no time.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
-use crate::identification::effects::limits::axis_handle;
+use crate::identification::effects::parameters;
 use crate::identification::effects::report::{AXIS, DAMPING, FREQUENCY, Reported, TIME_CONSTANT, WIDTH};
-use crate::identification::fit::{FreeParameter, Run, VariationScale};
+use crate::identification::fit::Run;
 use crate::machine::{AXES, StructuralMode};
 
 /// Damping ratio tried first.
 const FIRST_DAMPING: f64 = 0.04;
 /// Ratio of the highest frequency that a recording shows to its sampling rate: a little less than half.
 const HIGHEST_FREQUENCY: f64 = 0.45;
-/// Highest frequency of a structural mode in a machine file, Hz; a faster vibration in a recording with a higher
-/// sampling rate does not come from the structure.
-const MAX_VIBRATION_HZ: f64 = 1000.0;
 
 /// Returns the axes whose positions were recorded in at least one run.
 fn recorded(runs: &[Run]) -> impl Iterator<Item = usize> {
@@ -24,12 +21,10 @@ fn recorded(runs: &[Run]) -> impl Iterator<Item = usize> {
 
 /// Returns the hypotheses of one lag for all axes, as controls are tuned, and of a lag of each recorded axis alone.
 pub fn servo_lag(effect: Effect, context: &Context) -> Vec<Hypothesis> {
-    let freed = |axis: usize| {
-        FreeParameter::new(axis_handle(axis, "servo_lag_s"), 0.01, (1e-5, 0.5), VariationScale::Ratio)
-    };
     let of_all = |_| {
-        let freed =
-            freed(0).with(|machine, value| machine.axes.iter_mut().for_each(|axis| axis.servo_lag = value));
+        let freed = parameters::SERVO_LAG[0]
+            .tried()
+            .with(|machine, value| machine.axes.iter_mut().for_each(|axis| axis.servo_lag = value));
         let report = |value| vec![(TIME_CONSTANT, Reported::Number(value))];
         Hypothesis::single(effect, freed, ratios(1e-3, 0.15, 9), report)
     };
@@ -38,15 +33,15 @@ pub fn servo_lag(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         let word = name.clone();
         let report =
             move |value| vec![(AXIS, Reported::Word(word.clone())), (TIME_CONSTANT, Reported::Number(value))];
-        Hypothesis::single(effect, freed(axis), ratios(1e-3, 0.15, 9), report).variant(name)
+        let freed = parameters::SERVO_LAG[axis].tried();
+        Hypothesis::single(effect, freed, ratios(1e-3, 0.15, 9), report).variant(name)
     };
     recorded(context.runs).take(1).map(of_all).chain(recorded(context.runs).map(of_one)).collect()
 }
 
 pub fn backlash(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let of_axis = |axis: usize| {
-        let freed =
-            FreeParameter::new(axis_handle(axis, "backlash_mm"), 0.01, (1e-4, 2.0), VariationScale::Ratio);
+        let freed = parameters::BACKLASH[axis].tried();
         let name = AXES[axis].to_string();
         let word = name.clone();
         let report =
@@ -59,24 +54,18 @@ pub fn backlash(effect: Effect, context: &Context) -> Vec<Hypothesis> {
 pub fn vibration(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let tracks = context.runs.iter().filter_map(|run| run.alignment.track.as_ref());
     let interval = tracks.map(|track| track.interval).fold(f64::INFINITY, f64::min);
-    let highest = (HIGHEST_FREQUENCY / interval).min(MAX_VIBRATION_HZ);
     let of_axis = |axis: usize| {
-        let bounds = (1.0, highest.max(2.0));
-        let frequency =
-            FreeParameter::new(axis_handle(axis, "vibration_hz"), 10.0, bounds, VariationScale::Ratio).with(
-                move |machine, value| {
-                    let damping = machine.axes[axis].mode.map_or(FIRST_DAMPING, |mode| mode.damping);
-                    machine.axes[axis].mode = Some(StructuralMode { frequency: value, damping });
-                },
-            );
-        let handle = axis_handle(axis, "vibration_damping");
-        let damping = FreeParameter::new(handle, FIRST_DAMPING, (1e-3, 0.7), VariationScale::Ratio).with(
-            move |machine, value| {
-                if let Some(mode) = &mut machine.axes[axis].mode {
-                    mode.damping = value;
-                }
-            },
-        );
+        let mut frequency = parameters::VIBRATION_FREQUENCY[axis].tried().with(move |machine, value| {
+            let damping = machine.axes[axis].mode.map_or(FIRST_DAMPING, |mode| mode.damping);
+            machine.axes[axis].mode = Some(StructuralMode { frequency: value, damping });
+        });
+        let highest = (HIGHEST_FREQUENCY / interval).min(frequency.bounds.1);
+        frequency.bounds.1 = highest.max(2.0);
+        let damping = parameters::VIBRATION_DAMPING[axis].tried().with(move |machine, value| {
+            if let Some(mode) = &mut machine.axes[axis].mode {
+                mode.damping = value;
+            }
+        });
         let count = (6.0 * (highest / 3.0).max(1.0).log2()).ceil().clamp(1.0, 40.0) as usize + 1;
         let trials = ratios(3.0, highest.max(3.1), count)
             .into_iter()

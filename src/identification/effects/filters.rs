@@ -1,9 +1,9 @@
 //! Effects of the filter chain: its time constants and the number of its filters.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis};
+use crate::identification::effects::parameters;
 use crate::identification::effects::report::{FILTERS, Reported, TIME_CONSTANT, TIME_CONSTANTS};
-use crate::identification::fit::{FreeParameter, VariationScale};
-use crate::machine::{Handle, TimeConstants};
+use crate::machine::TimeConstants;
 
 /// Returns the number and the time constant (s) of the filters; `None` unless the machine gives them one time
 /// constant.
@@ -17,8 +17,7 @@ fn equal(context: &Context) -> Option<(usize, f64)> {
 
 pub fn time_constants(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let of = |(_, constant): (usize, f64)| {
-        let handle = Handle::number("interpolator.time_constant_s");
-        let freed = FreeParameter::new(handle, constant, (2e-4, 0.5), VariationScale::Ratio);
+        let freed = parameters::TIME_CONSTANT.tried();
         let ratios = [0.3, 0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6, 2.0, 3.0];
         let trials = ratios.iter().map(|ratio| ratio * constant).collect();
         Hypothesis::single(effect, freed, trials, |value| vec![(TIME_CONSTANT, Reported::Number(value))])
@@ -30,18 +29,16 @@ pub fn time_constants(effect: Effect, context: &Context) -> Vec<Hypothesis> {
 pub fn orders(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let Some((order, constant)) = equal(context) else { return Vec::new() };
     let of = |keeps_delay: bool| {
-        let handle = Handle::number("interpolator.filters");
-        let freed = FreeParameter::new(handle, order as f64, (1.0, 4.0), VariationScale::Difference).with(
-            move |machine, value| {
-                let other = value.round().clamp(1.0, 4.0);
-                machine.interpolator.filters = other as usize;
-                if keeps_delay {
-                    let delay = constant * order as f64;
-                    machine.interpolator.time_constants = TimeConstants::Equal(delay / other);
-                }
-            },
-        );
-        let trials = (1..=4).filter(|other| *other != order).map(|other| other as f64).collect();
+        let freed = parameters::FILTERS.tried().with(move |machine, value| {
+            let other = value.round();
+            machine.interpolator.filters = other as usize;
+            if keeps_delay {
+                let delay = constant * order as f64;
+                machine.interpolator.time_constants = TimeConstants::Equal(delay / other);
+            }
+        });
+        let orders = parameters::FILTERS.guesses.iter().copied();
+        let trials = orders.filter(|other| *other != order as f64).collect();
         let report = |value: f64| vec![(FILTERS, Reported::Number(value.round()))];
         let variant = if keeps_delay { "" } else { "each as long" };
         Hypothesis::single(effect, freed, trials, report).variant(variant).at_trials_only()
@@ -59,12 +56,9 @@ pub fn unequal(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         constants.resize(order, constant * (1.0 - spread));
         constants
     };
-    let handle = Handle::row("interpolator.time_constants_s");
-    let freed = FreeParameter::new(handle, 0.3, (0.02, 0.95), VariationScale::Difference).with(
-        move |machine, spread| {
-            machine.interpolator.time_constants = TimeConstants::Unequal(split(spread));
-        },
-    );
+    let freed = parameters::FILTER_SPREAD.tried().with(move |machine, spread| {
+        machine.interpolator.time_constants = TimeConstants::Unequal(split(spread));
+    });
     let trials = vec![0.04, 0.08, 0.15, 0.3, 0.45, 0.6, 0.8];
     let report = move |spread| vec![(TIME_CONSTANTS, Reported::List(split(spread)))];
     vec![Hypothesis::single(effect, freed, trials, report)]

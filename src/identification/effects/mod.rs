@@ -2,9 +2,9 @@
 //!
 //! A row of the table holds the facts about an effect: id, nature, vendors' names, when a probe is of no use, the
 //! sentence for people, and the hypotheses that offer it. A hypothesis names the parameters that leave their
-//! neutral values, their bounds, and the values tried first. It contains no physics: the simulation alone defines
-//! the consequences of a value. Calibration, diagnosis, probe, page and command read this table; there is no other
-//! list of effects.
+//! neutral values, and the values tried first. It contains no physics: the simulation alone defines the
+//! consequences of a value. Calibration, diagnosis, probe, page and command read this table; there is no other list
+//! of effects. Bounds of parameters are in [`parameters`], for hypotheses and calibration alike.
 //!
 //! | trace | effects |
 //! |---|---|
@@ -21,6 +21,7 @@ mod effect;
 mod filters;
 mod limits;
 mod overrides;
+pub mod parameters;
 mod report;
 mod stops;
 mod supply;
@@ -28,7 +29,6 @@ mod table;
 mod waits;
 
 pub use effect::{Context, Effect, Hypothesis, Nature, Origin, Row, Trace};
-pub use limits::POSITIONING_JERKS_MM_S3;
 pub use report::{
     FROM_DISTANCE, FROM_LINE, Finding, LINE, Quantity, RATIO, Report, Reported, ReportedValue, SECONDS,
     TO_DISTANCE, TO_LINE, is_whole,

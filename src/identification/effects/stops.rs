@@ -4,12 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::identification::alignment::ProgramPlace;
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
+use crate::identification::effects::parameters::{self, Adjustable};
 use crate::identification::effects::report::{
     ANGLE, ANGLE_BOUNDS, AT, CODE, LINE, OR_CODE, Reported, SECONDS,
 };
 use crate::identification::effects::waits::StopKind;
-use crate::identification::fit::{FreeParameter, Run, VariationScale};
-use crate::machine::{Handle, InPosition, Junction};
+use crate::identification::fit::Run;
+use crate::machine::{InPosition, Junction};
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Motion, Stop, Toolpath};
 
@@ -21,14 +22,6 @@ const SAME_ANGLE_RAD: f64 = 0.01;
 const MOST_ANGLES: usize = 16;
 /// Largest number of kinds of stops at one place that are compared with one another.
 const MOST_BESIDE: usize = 8;
-/// Largest turn angle of a corner, rad.
-const MAX_TURN_RAD: f64 = std::f64::consts::PI;
-/// Longest wait for position, s: controls stop with an alarm if an axis is not in position by then (Siemens MD36020
-/// POSITIONING_TIME, 1 s).
-const LONGEST_IN_POSITION_S: f64 = 1.0;
-/// Shortest wait for position, s. The stiffest position loops (10 m/min for each mm of lag) come nearer by one part in
-/// e in 6 ms; less than a third of that is the rounding of block ends to the cycles of the control.
-const SHORTEST_IN_POSITION_S: f64 = 2e-3;
 /// Largest number of rapids in the programs for which a wait at a rapid counts as one of its line. A machine that
 /// waits for position waits at every rapid, and so few rapids do not show that.
 const MAX_SINGLE_RAPIDS: usize = 4;
@@ -45,21 +38,15 @@ pub fn exact_stops(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         }
         all
     };
-    let at = || {
-        FreeParameter::new(
-            Handle::number("interpolator.exact_stop_angle_deg"),
-            MAX_TURN_RAD,
-            (0.0, MAX_TURN_RAD),
-            VariationScale::Difference,
-        )
-    };
-    let mut all = vec![Hypothesis::single(effect, at(), trials, report).at_trials_only()];
+    let angle = parameters::EXACT_STOP_ANGLE.tried();
+    let largest = angle.bounds.1;
+    let mut all = vec![Hypothesis::single(effect, angle.clone(), trials, report).at_trials_only()];
     // LinuxCNC's G61, which stops at corners by another law than its G61.1.
     if matches!(context.machine.interpolator.junction, Junction::AccelerationBlend | Junction::ParabolicBlend)
     {
-        let freed = at().also(|machine| machine.interpolator.junction = Junction::ExactPath);
+        let freed = angle.also(|machine| machine.interpolator.junction = Junction::ExactPath);
         let report = |_| vec![(AT, Reported::word("corners"))];
-        all.push(Hypothesis::single(effect, freed, vec![MAX_TURN_RAD], report).at_trials_only());
+        all.push(Hypothesis::single(effect, freed, vec![largest], report).at_trials_only());
     }
     all
 }
@@ -76,16 +63,11 @@ pub fn in_position_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let has_stops = machine.interpolator.stopping_angle() < std::f64::consts::PI
         || runs.iter().any(|run| run.toolpath.segments.iter().any(|segment| segment.exact_stop));
     let of = |at: InPosition| {
-        let freed = FreeParameter::new(
-            Handle::number("halts.in_position_s"),
-            0.05,
-            (SHORTEST_IN_POSITION_S, LONGEST_IN_POSITION_S),
-            VariationScale::Ratio,
-        )
-        .counted_in_cycles()
-        .also(move |machine| machine.halts.in_position_at = at);
+        let freed =
+            parameters::IN_POSITION_WAIT.tried().also(move |machine| machine.halts.in_position_at = at);
+        let (shortest, longest) = freed.bounds;
         let report = move |value| vec![(SECONDS, Reported::Number(value)), (AT, Reported::word(at.word()))];
-        Hypothesis::single(effect, freed, ratios(2e-3, LONGEST_IN_POSITION_S, 8), report).variant(at.word())
+        Hypothesis::single(effect, freed, ratios(shortest, longest, 8), report).variant(at.word())
     };
     let kinds = [(InPosition::RapidEnds, has_rapid), (InPosition::ExactStops, has_stops)];
     kinds.into_iter().filter(|(_, is_offered)| *is_offered).map(|(at, _)| of(at)).collect()
@@ -95,20 +77,19 @@ pub fn in_position_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
 /// feed move at a new speed.
 pub fn spindle_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let runs = &context.runs;
-    let of = |key: &str, at: &'static str, plc_words: usize| {
-        let freed = FreeParameter::new(Handle::number(key), 1.0, (1e-3, 60.0), VariationScale::Ratio)
-            .counted_in_cycles();
+    let of = |parameter: Adjustable, at: &'static str, plc_words: usize| {
         let report = move |value| vec![(SECONDS, Reported::Number(value)), (AT, Reported::word(at))];
+        let freed = parameter.tried();
         Hypothesis::single(effect, freed, ratios(0.05, 10.0, 10), report).variant(at).answering(plc_words)
     };
     let has_words = runs.iter().any(|run| run.toolpath.speed_changes().next().is_some());
     let has_feeds = runs.iter().any(|run| run.toolpath.feeds_at_new_speed().next().is_some());
     let all = [
-        (has_words, "times.spindle_change_s", "S words", 1),
-        (has_feeds, "times.spindle_at_feed_s", "first feed moves", words_before_feeds(runs)),
+        (has_words, parameters::SPINDLE_CHANGE_WAIT, "S words", 1),
+        (has_feeds, parameters::SPINDLE_AT_FEED_WAIT, "first feed moves", words_before_feeds(runs)),
     ];
     let offered = all.into_iter().filter(|(is_offered, ..)| *is_offered);
-    offered.map(|(_, key, at, plc_words)| of(key, at, plc_words)).collect()
+    offered.map(|(_, parameter, at, plc_words)| of(parameter, at, plc_words)).collect()
 }
 
 /// Returns the largest number of words that the PLC answers directly before a first feed move at a new speed: at least

@@ -2,9 +2,10 @@
 //! do not.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
+use crate::identification::effects::parameters;
 use crate::identification::effects::report::{BLOCKS, CORNERS_PLANNED_BY, Quantity, Reported, SECONDS};
-use crate::identification::fit::{FreeParameter, Run, VariationScale};
-use crate::machine::{CornerPlanning, Handle};
+use crate::identification::fit::Run;
+use crate::machine::CornerPlanning;
 use crate::simulation::toolpath::Motion;
 
 /// Parts of all blocks that are shorter than each of the block times tried.
@@ -47,10 +48,7 @@ fn trials(runs: &[Run]) -> Vec<f64> {
 pub fn block_times(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let trials = trials(context.runs);
     let of = |by: CornerPlanning| {
-        let handle = Handle::number("interpolator.block_time_s");
-        let freed = FreeParameter::new(handle, 0.005, (1e-5, 1.0), VariationScale::Ratio)
-            .counted_in_cycles()
-            .also(move |machine| machine.interpolator.planned_by = by);
+        let freed = parameters::BLOCK_TIME.tried().also(move |machine| machine.interpolator.planned_by = by);
         let report = move |value| reported((SECONDS, Reported::Number(value)), by);
         Hypothesis::single(effect, freed, trials.clone(), report).variant(variant(by))
     };
@@ -59,12 +57,9 @@ pub fn block_times(effect: Effect, context: &Context) -> Vec<Hypothesis> {
 
 pub fn look_aheads(effect: Effect, _: &Context) -> Vec<Hypothesis> {
     let of = |by: CornerPlanning| {
-        let handle = Handle::number("interpolator.look_ahead_blocks");
-        let freed = FreeParameter::new(handle, 10.0, (1.0, 1e6), VariationScale::Ratio).with(
-            move |machine, value| {
-                (machine.interpolator.look_ahead, machine.interpolator.planned_by) = (value.round(), by);
-            },
-        );
+        let freed = parameters::LOOK_AHEAD.tried().with(move |machine, value| {
+            (machine.interpolator.look_ahead, machine.interpolator.planned_by) = (value.round(), by);
+        });
         let seen = [1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 80.0, 120.0];
         let report = move |value: f64| reported((BLOCKS, Reported::Number(value.round())), by);
         Hypothesis::single(effect, freed, seen.to_vec(), report).variant(variant(by)).at_trials_only()

@@ -114,11 +114,6 @@ impl FreeParameter {
         FreeParameter { exactness: Exactness::Cycles, ..self }
     }
 
-    /// Marks the parameter as the setting of a switch or a clock.
-    pub fn exact(self) -> FreeParameter {
-        FreeParameter { exactness: Exactness::Exact, ..self }
-    }
-
     /// Returns the parameter with another initial value, core units.
     pub fn starting_at(&self, start: f64) -> FreeParameter {
         FreeParameter { start: start.clamp(self.bounds.0, self.bounds.1), ..self.clone() }
