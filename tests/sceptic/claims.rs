@@ -110,7 +110,7 @@ fn values_are_reported_in_the_units_of_their_names() {
     let candidate = &diagnosis.causes[0].candidate;
     let reported = (candidate.hypothesis.report)(&candidate.values);
     assert!(
-        reported.iter().any(|(own, value)| own.key == "axis" && *value == Reported::word("X")),
+        reported.iter().any(|(own, value)| own.key == "axis" && *value == Reported::Word("X".to_string())),
         "{reported:?}"
     );
     assert!(

@@ -14,7 +14,7 @@ use crate::identification::diagnosis::evidence::Evidence;
 use crate::identification::diagnosis::gates::MIN_COST_REDUCTION;
 use crate::identification::diagnosis::rests::{Rest, rests};
 use crate::identification::effects::{
-    FEED_OVERRIDE, FROM_DISTANCE, FROM_LINE, Hypothesis, RATIO, Reported, TO_DISTANCE, TO_LINE, parameters,
+    FEED_OVERRIDE, FROM_DISTANCE, FROM_LINE, Hypothesis, RATIO, TO_DISTANCE, TO_LINE, parameters,
 };
 use crate::identification::fit::{Run, golden_section};
 use crate::machine::Machine;
@@ -111,10 +111,10 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     let edges = [(span.from, FROM_DISTANCE, FROM_LINE), (span.to, TO_DISTANCE, TO_LINE)];
     let known = edges.into_iter().filter_map(|(edge, distance, line)| {
         let at = edge?;
-        Some([(distance, Reported::Number(at)), (line, Reported::Number(line_of(at)))])
+        Some([distance.number(at), line.number(line_of(at))])
     });
     let known: Vec<_> = known.flatten().collect();
-    let report = move |ratio| [(RATIO, Reported::Number(ratio))].into_iter().chain(known.clone()).collect();
+    let report = move |ratio| [RATIO.number(ratio)].into_iter().chain(known.clone()).collect();
     let trials = [0.9, 0.97, 1.0, 1.03, 1.1].iter().map(|part| part * ratio).collect();
     Some(Hypothesis::single(FEED_OVERRIDE, freed, trials, report).variant("on some lines"))
 }

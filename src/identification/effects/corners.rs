@@ -2,9 +2,7 @@
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
 use crate::identification::effects::parameters::{self, Adjustable, WIDEST_JOINT_MM};
-use crate::identification::effects::report::{
-    ARC_TOLERANCE, AT, CONTOUR_TOLERANCE, RULE, Reported, TOLERANCE, VALUE,
-};
+use crate::identification::effects::report::{ARC_TOLERANCE, AT, CONTOUR_TOLERANCE, RULE, TOLERANCE, VALUE};
 use crate::identification::fit::Run;
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::rounding;
@@ -26,7 +24,7 @@ pub fn tolerances(effect: Effect, context: &Context) -> Vec<Hypothesis> {
             (parameters::CONTOUR_TOLERANCE, parts.iter().map(|ratio| ratio * own).collect())
         }
     };
-    let report = |value| vec![(CONTOUR_TOLERANCE, Reported::Number(value))];
+    let report = |value| vec![CONTOUR_TOLERANCE.number(value)];
     let mut all = vec![Hypothesis::single(effect, parameter.tried(), trials, report)];
     all.extend(arcs(effect, machine).filter(|_| context.has_arc));
     all
@@ -43,7 +41,7 @@ fn arcs(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
     }
     let freed = parameters::ARC_TOLERANCE.tried_around(own);
     let trials = [10.0, 30.0, 100.0].iter().map(|ratio| ratio * own).collect();
-    let report = |value| vec![(AT, Reported::word("arcs")), (ARC_TOLERANCE, Reported::Number(value))];
+    let report = |value| vec![AT.word("arcs"), ARC_TOLERANCE.number(value)];
     Some(Hypothesis::single(effect, freed, trials, report).variant("arcs"))
 }
 
@@ -53,7 +51,7 @@ pub fn junctions(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let is_accelerated = machine.path.acceleration.is_finite()
         || machine.axes.iter().any(|axis| axis.acceleration.is_finite());
     let rule = |word: &'static str, parameter: Adjustable, trials: Vec<f64>, unit: fn(f64) -> f64| {
-        let report = move |value| vec![(RULE, Reported::word(word)), (VALUE, Reported::Number(unit(value)))];
+        let report = move |value| vec![RULE.word(word), VALUE.number(unit(value))];
         Hypothesis::single(effect, parameter.tried(), trials, report).variant(word.replace('_', " "))
     };
     let mut all = Vec::new();
@@ -79,7 +77,7 @@ fn parabolas(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
     let freed = parameters::MAX_OVERRIDE
         .tried()
         .also(|machine| machine.interpolator.junction = Junction::ParabolicBlend);
-    let report = |_| vec![(RULE, Reported::word("parabolic_blend"))];
+    let report = |_| vec![RULE.word("parabolic_blend")];
     Some(Hypothesis::single(effect, freed, vec![1.0], report).variant("parabolas").at_trials_only())
 }
 
@@ -105,7 +103,7 @@ fn smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<Hypothes
             ratios(least.max(1e-3), WIDEST_JOINT_MM, 14)
         }
     };
-    let report = |value| vec![(TOLERANCE, Reported::Number(value))];
+    let report = |value| vec![TOLERANCE.number(value)];
     let freed = parameters::PATH_SMOOTHING.tried();
     Some(Hypothesis::single(effect, freed, trials, report).at_trials_only())
 }
@@ -149,6 +147,6 @@ fn corner_smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<H
         .collect();
     trials.dedup_by(|b, a| *b < 1.01 * *a);
     let freed = parameters::CORNER_SMOOTHING.tried();
-    let report = |value| vec![(TOLERANCE, Reported::Number(value)), (AT, Reported::word("corners"))];
+    let report = |value| vec![TOLERANCE.number(value), AT.word("corners")];
     Some(Hypothesis::single(effect, freed, trials, report).variant("corners"))
 }

@@ -2,7 +2,7 @@
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
 use crate::identification::effects::parameters;
-use crate::identification::effects::report::{AXIS, DAMPING, FREQUENCY, Reported, TIME_CONSTANT, WIDTH};
+use crate::identification::effects::report::{AXIS, DAMPING, FREQUENCY, TIME_CONSTANT, WIDTH};
 use crate::identification::fit::Run;
 use crate::machine::{AXES, StructuralMode};
 
@@ -25,16 +25,13 @@ pub fn servo_lag(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         let freed = parameters::SERVO_LAG[0]
             .tried()
             .with(|machine, value| machine.axes.iter_mut().for_each(|axis| axis.servo_lag = value));
-        let report = |value| vec![(TIME_CONSTANT, Reported::Number(value))];
+        let report = |value| vec![TIME_CONSTANT.number(value)];
         Hypothesis::single(effect, freed, ratios(1e-3, 0.15, 9), report)
     };
     let of_one = |axis: usize| {
-        let name = AXES[axis].to_string();
-        let word = name.clone();
-        let report =
-            move |value| vec![(AXIS, Reported::Word(word.clone())), (TIME_CONSTANT, Reported::Number(value))];
+        let report = move |value| vec![AXIS.word(AXES[axis]), TIME_CONSTANT.number(value)];
         let freed = parameters::SERVO_LAG[axis].tried();
-        Hypothesis::single(effect, freed, ratios(1e-3, 0.15, 9), report).variant(name)
+        Hypothesis::single(effect, freed, ratios(1e-3, 0.15, 9), report).variant(AXES[axis])
     };
     recorded(context.runs).take(1).map(of_all).chain(recorded(context.runs).map(of_one)).collect()
 }
@@ -42,11 +39,8 @@ pub fn servo_lag(effect: Effect, context: &Context) -> Vec<Hypothesis> {
 pub fn backlash(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let of_axis = |axis: usize| {
         let freed = parameters::BACKLASH[axis].tried();
-        let name = AXES[axis].to_string();
-        let word = name.clone();
-        let report =
-            move |value| vec![(AXIS, Reported::Word(word.clone())), (WIDTH, Reported::Number(value))];
-        Hypothesis::single(effect, freed, ratios(2e-3, 0.2, 7), report).variant(name)
+        let report = move |value| vec![AXIS.word(AXES[axis]), WIDTH.number(value)];
+        Hypothesis::single(effect, freed, ratios(2e-3, 0.2, 7), report).variant(AXES[axis])
     };
     recorded(context.runs).map(of_axis).collect()
 }
@@ -71,16 +65,10 @@ pub fn vibration(effect: Effect, context: &Context) -> Vec<Hypothesis> {
             .into_iter()
             .map(|value| vec![value, FIRST_DAMPING])
             .collect();
-        let name = AXES[axis].to_string();
-        let word = name.clone();
         let report = move |values: &[f64]| {
-            vec![
-                (AXIS, Reported::Word(word.clone())),
-                (FREQUENCY, Reported::Number(values[0])),
-                (DAMPING, Reported::Number(values[1])),
-            ]
+            vec![AXIS.word(AXES[axis]), FREQUENCY.number(values[0]), DAMPING.number(values[1])]
         };
-        Hypothesis::new(effect, vec![frequency, damping], trials, report).variant(name)
+        Hypothesis::new(effect, vec![frequency, damping], trials, report).variant(AXES[axis])
     };
     recorded(context.runs).map(of_axis).collect()
 }

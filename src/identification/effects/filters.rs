@@ -20,7 +20,7 @@ pub fn time_constants(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         let freed = parameters::TIME_CONSTANT.tried();
         let ratios = [0.3, 0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6, 2.0, 3.0];
         let trials = ratios.iter().map(|ratio| ratio * constant).collect();
-        Hypothesis::single(effect, freed, trials, |value| vec![(TIME_CONSTANT, Reported::Number(value))])
+        Hypothesis::single(effect, freed, trials, |value| vec![TIME_CONSTANT.number(value)])
     };
     equal(context).map(of).into_iter().collect()
 }
@@ -39,7 +39,7 @@ pub fn orders(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         });
         let orders = parameters::FILTERS.guesses.iter().copied();
         let trials = orders.filter(|other| *other != order as f64).collect();
-        let report = |value: f64| vec![(FILTERS, Reported::Number(value.round()))];
+        let report = |value: f64| vec![FILTERS.number(value.round())];
         let variant = if keeps_delay { "" } else { "each as long" };
         Hypothesis::single(effect, freed, trials, report).variant(variant).at_trials_only()
     };

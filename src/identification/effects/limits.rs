@@ -7,7 +7,7 @@
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
 use crate::identification::effects::parameters::{self, Adjustable};
 use crate::identification::effects::report::{
-    ACCELERATION, AT, AXIS, CONTOUR_TOLERANCE, JERK, PLANNER, RAPID, Reported, TIME_CONSTANT, VELOCITY,
+    ACCELERATION, AT, AXIS, CONTOUR_TOLERANCE, JERK, PLANNER, RAPID, TIME_CONSTANT, VELOCITY,
 };
 use crate::identification::fit::Run;
 use crate::machine::{AXES, Junction, Machine, Planner, TimeConstants};
@@ -29,9 +29,7 @@ fn moved(context: &Context) -> impl Iterator<Item = usize> {
 /// Returns the hypotheses of an acceleration limit of each axis that moves and, if the tolerance limits the
 /// feedrate at corners, of a planner, a control of another family that ramps by one acceleration of all axes.
 pub fn axis_accelerations(effect: Effect, context: &Context) -> Vec<Hypothesis> {
-    let of_axis = |axis: usize| {
-        accelerations(effect, parameters::AXIS_ACCELERATION[axis], Some(AXES[axis].to_string()))
-    };
+    let of_axis = |axis: usize| accelerations(effect, parameters::AXIS_ACCELERATION[axis], Some(AXES[axis]));
     let mut all: Vec<Hypothesis> = moved(context).flat_map(of_axis).collect();
     if context.machine.interpolator.junction == Junction::Tolerance {
         all.extend([planner(effect, true), planner(effect, false)]);
@@ -51,13 +49,8 @@ fn planner(effect: Effect, by_axis: bool) -> Hypothesis {
     });
     let variant =
         if by_axis { "planner of trapezoids" } else { "planner of trapezoids, rapid along the path" };
-    let report = |value| {
-        vec![
-            (AXIS, Reported::word("XYZ")),
-            (ACCELERATION, Reported::Number(value)),
-            (PLANNER, Reported::word("acceleration_blend")),
-        ]
-    };
+    let report =
+        |value| vec![AXIS.word("XYZ"), ACCELERATION.number(value), PLANNER.word("acceleration_blend")];
     Hypothesis::single(effect, freed, ratios(50.0, 2e4, 14), report).variant(variant)
 }
 
@@ -67,17 +60,18 @@ pub fn path_acceleration(effect: Effect, _: &Context) -> Vec<Hypothesis> {
 
 /// Returns two hypotheses of an acceleration limit: on the motion that leaves the filters, and on the command
 /// before them.
-fn accelerations(effect: Effect, parameter: Adjustable, axis: Option<String>) -> Vec<Hypothesis> {
+fn accelerations(effect: Effect, parameter: Adjustable, axis: Option<char>) -> Vec<Hypothesis> {
     let of = |is_before: bool| {
         let freed = parameter.tried().also(move |machine| machine.path.limits_command |= is_before);
-        let word = axis.clone().map(|axis| (AXIS, Reported::Word(axis)));
-        let place = is_before.then(|| (AT, Reported::word("command")));
         let report = move |value| {
-            let limit = (ACCELERATION, Reported::Number(value));
-            word.iter().cloned().chain([limit]).chain(place.clone()).collect()
+            let place = is_before.then(|| AT.word("command"));
+            [axis.map(|axis| AXIS.word(axis)), Some(ACCELERATION.number(value)), place]
+                .into_iter()
+                .flatten()
+                .collect()
         };
         let before = is_before.then(|| "before the filters".to_string());
-        let variant: Vec<String> = axis.iter().cloned().chain(before).collect();
+        let variant: Vec<String> = axis.map(String::from).into_iter().chain(before).collect();
         Hypothesis::single(effect, freed, ratios(50.0, 2e4, 10), report).variant(variant.join(", "))
     };
     vec![of(false), of(true)]
@@ -90,18 +84,13 @@ const OF_PATH_LIMITS: f64 = 6.0;
 
 /// Returns the hypotheses of a velocity limit of each axis that moves, and of one along the path.
 pub fn axis_velocities(effect: Effect, context: &Context) -> Vec<Hypothesis> {
-    let of = |parameter: Adjustable, fastest: f64, axes: String| {
+    let of = |parameter: Adjustable, fastest: f64, axes: &'static str| {
         let freed = parameter.tried_around(fastest);
-        let word = axes.clone();
-        let report = move |value| {
-            vec![(AXIS, Reported::Word(word.clone())), (VELOCITY, Reported::Number(mm_per_min(value)))]
-        };
+        let report = move |value| vec![AXIS.word(axes), VELOCITY.number(mm_per_min(value))];
         Hypothesis::single(effect, freed, ratios(0.02 * fastest, 0.97 * fastest, 14), report).variant(axes)
     };
-    let of_axis = |axis: usize| {
-        of(parameters::AXIS_VELOCITY[axis], context.axis_feedrate[axis], AXES[axis].to_string())
-    };
-    let along_path = of(parameters::PATH_VELOCITY, context.feedrate, ALONG_PATH.to_string());
+    let of_axis = |axis: usize| of(parameters::AXIS_VELOCITY[axis], context.axis_feedrate[axis], AXES[axis]);
+    let along_path = of(parameters::PATH_VELOCITY, context.feedrate, ALONG_PATH);
     moved(context).map(of_axis).chain([along_path.with_rarity(OF_PATH_LIMITS)]).collect()
 }
 
@@ -113,7 +102,7 @@ pub fn centripetal_acceleration(effect: Effect, context: &Context) -> Vec<Hypoth
     // Arcs are as slow as their root: one that makes them 10 % slower must not lie between two that are worse than
     // none.
     let trials = ratios(10.0, 5e3, 32);
-    vec![Hypothesis::single(effect, freed, trials, |value| vec![(ACCELERATION, Reported::Number(value))])]
+    vec![Hypothesis::single(effect, freed, trials, |value| vec![ACCELERATION.number(value)])]
 }
 
 /// Returns the hypotheses of a jerk limit from which the filters' time constants follow, of one along the path, and
@@ -134,7 +123,7 @@ fn of_constants(effect: Effect, context: &Context) -> Option<Hypothesis> {
     let TimeConstants::Equal(constant) = context.machine.interpolator.time_constants else { return None };
     let jerk = context.feedrate / (constant * constant);
     let freed = parameters::FILTER_JERK.tried_around(jerk);
-    let report = |value| vec![(JERK, Reported::Number(value))];
+    let report = |value| vec![JERK.number(value)];
     Some(Hypothesis::single(effect, freed, ratios(0.1 * jerk, 10.0 * jerk, 9), report))
 }
 
@@ -149,11 +138,7 @@ pub fn ramps(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
         .flat_map(|part| JERKS_MM_S3.map(|jerk| vec![jerk, part * constant, part * tolerance]))
         .collect();
     let report = |values: &[f64]| {
-        vec![
-            (JERK, Reported::Number(values[0])),
-            (TIME_CONSTANT, Reported::Number(values[1])),
-            (CONTOUR_TOLERANCE, Reported::Number(values[2])),
-        ]
+        vec![JERK.number(values[0]), TIME_CONSTANT.number(values[1]), CONTOUR_TOLERANCE.number(values[2])]
     };
     let freed = freed.map(|parameter| parameter.tried()).to_vec();
     Some(Hypothesis::new(effect, freed, trials, report).variant("along the path"))
@@ -169,12 +154,7 @@ fn positioning(effect: Effect, machine: &Machine) -> Hypothesis {
         .iter()
         .flat_map(|part| jerks.iter().map(move |jerk| vec![*jerk, part * rate]))
         .collect();
-    let report = |values: &[f64]| {
-        vec![
-            (JERK, Reported::Number(values[0])),
-            (AT, Reported::word("rapid")),
-            (RAPID, Reported::Number(mm_per_min(values[1]))),
-        ]
-    };
+    let report =
+        |values: &[f64]| vec![JERK.number(values[0]), AT.word("rapid"), RAPID.number(mm_per_min(values[1]))];
     Hypothesis::new(effect, freed, trials, report).variant("rapid")
 }

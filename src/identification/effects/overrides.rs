@@ -5,7 +5,7 @@ use crate::identification::effects::parameters::{self, Adjustable};
 use crate::identification::effects::report::{Quantity, RATIO, Reported};
 
 fn ratio(value: f64) -> Vec<(Quantity, Reported)> {
-    vec![(RATIO, Reported::Number(value))]
+    vec![RATIO.number(value)]
 }
 
 /// Returns the hypothesis of a switch that the machine has at `own`, tried at `parts` of that value.

@@ -11,6 +11,18 @@ pub struct Quantity {
     pub unit: &'static str,
 }
 
+impl Quantity {
+    /// Returns a number of the quantity.
+    pub fn number(self, number: f64) -> (Quantity, Reported) {
+        (self, Reported::Number(number))
+    }
+
+    /// Returns a word for the quantity.
+    pub fn word(self, word: impl ToString) -> (Quantity, Reported) {
+        (self, Reported::Word(word.to_string()))
+    }
+}
+
 const fn quantity(key: &'static str, name: &'static str, unit: &'static str) -> Quantity {
     Quantity { key, name, unit }
 }
@@ -87,13 +99,6 @@ pub enum Reported {
     List(Vec<f64>),
     /// A word.
     Word(String),
-}
-
-impl Reported {
-    /// Returns a word as a reported value.
-    pub fn word(word: &str) -> Reported {
-        Reported::Word(word.to_string())
-    }
 }
 
 /// A function from the values of the parameters that a hypothesis frees, in core units, to the reported quantities.

@@ -32,7 +32,7 @@ pub fn exact_stops(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let gaps = gaps(context.runs);
     let trials = gaps.iter().map(|(low, high)| 0.5 * (low + high)).collect();
     let report = move |angle: f64| {
-        let mut all = vec![(ANGLE, Reported::Number(angle.to_degrees()))];
+        let mut all = vec![ANGLE.number(angle.to_degrees())];
         if let Some((low, high)) = gaps.iter().find(|(low, high)| *low <= angle && angle <= *high) {
             all.push((ANGLE_BOUNDS, Reported::List(vec![low.to_degrees(), high.to_degrees()])));
         }
@@ -45,7 +45,7 @@ pub fn exact_stops(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     if matches!(context.machine.interpolator.junction, Junction::AccelerationBlend | Junction::ParabolicBlend)
     {
         let freed = angle.also(|machine| machine.interpolator.junction = Junction::ExactPath);
-        let report = |_| vec![(AT, Reported::word("corners"))];
+        let report = |_| vec![AT.word("corners")];
         all.push(Hypothesis::single(effect, freed, vec![largest], report).at_trials_only());
     }
     all
@@ -66,7 +66,7 @@ pub fn in_position_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         let freed =
             parameters::IN_POSITION_WAIT.tried().also(move |machine| machine.halts.in_position_at = at);
         let (shortest, longest) = freed.bounds;
-        let report = move |value| vec![(SECONDS, Reported::Number(value)), (AT, Reported::word(at.word()))];
+        let report = move |value| vec![SECONDS.number(value), AT.word(at.word())];
         Hypothesis::single(effect, freed, ratios(shortest, longest, 8), report).variant(at.word())
     };
     let kinds = [(InPosition::RapidEnds, has_rapid), (InPosition::ExactStops, has_stops)];
@@ -78,7 +78,7 @@ pub fn in_position_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
 pub fn spindle_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let runs = &context.runs;
     let of = |parameter: Adjustable, at: &'static str, plc_words: usize| {
-        let report = move |value| vec![(SECONDS, Reported::Number(value)), (AT, Reported::word(at))];
+        let report = move |value| vec![SECONDS.number(value), AT.word(at)];
         let freed = parameter.tried();
         Hypothesis::single(effect, freed, ratios(0.05, 10.0, 10), report).variant(at).answering(plc_words)
     };
@@ -181,13 +181,10 @@ fn wait(effect: Effect, kind: StopKind, believed: f64, line: u32, others: Vec<St
     let plc_words = kind.plc_words() + others.iter().map(|other| other.plc_words()).sum::<usize>();
     let words: Vec<String> = others.into_iter().map(StopKind::word).collect();
     let report = move |value: f64| {
-        let mut all = vec![
-            (LINE, Reported::Number(f64::from(line))),
-            (CODE, Reported::Word(kind.word())),
-            (SECONDS, Reported::Number(value - believed)),
-        ];
+        let mut all =
+            vec![LINE.number(f64::from(line)), CODE.word(kind.word()), SECONDS.number(value - believed)];
         if !words.is_empty() {
-            all.push((OR_CODE, Reported::Word(words.join(", "))));
+            all.push(OR_CODE.word(words.join(", ")));
         }
         all
     };

@@ -49,7 +49,7 @@ pub fn block_times(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let trials = trials(context.runs);
     let of = |by: CornerPlanning| {
         let freed = parameters::BLOCK_TIME.tried().also(move |machine| machine.interpolator.planned_by = by);
-        let report = move |value| reported((SECONDS, Reported::Number(value)), by);
+        let report = move |value| reported(SECONDS.number(value), by);
         Hypothesis::single(effect, freed, trials.clone(), report).variant(variant(by))
     };
     CornerPlanning::WORDS.into_iter().map(|(_, by)| of(by)).collect()
@@ -61,7 +61,7 @@ pub fn look_aheads(effect: Effect, _: &Context) -> Vec<Hypothesis> {
             (machine.interpolator.look_ahead, machine.interpolator.planned_by) = (value.round(), by);
         });
         let seen = [1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 80.0, 120.0];
-        let report = move |value: f64| reported((BLOCKS, Reported::Number(value.round())), by);
+        let report = move |value: f64| reported(BLOCKS.number(value.round()), by);
         Hypothesis::single(effect, freed, seen.to_vec(), report).variant(variant(by)).at_trials_only()
     };
     CornerPlanning::WORDS.into_iter().map(|(_, by)| of(by)).collect()
@@ -69,7 +69,7 @@ pub fn look_aheads(effect: Effect, _: &Context) -> Vec<Hypothesis> {
 
 /// Returns a value and, unless it is the usual one, the feedrate by which corners are planned.
 fn reported(value: (Quantity, Reported), by: CornerPlanning) -> Vec<(Quantity, Reported)> {
-    let by = (by != CornerPlanning::default()).then(|| (CORNERS_PLANNED_BY, Reported::word(by.word())));
+    let by = (by != CornerPlanning::default()).then(|| CORNERS_PLANNED_BY.word(by.word()));
     [Some(value), by].into_iter().flatten().collect()
 }
 

@@ -134,7 +134,7 @@ mod tests {
         let values = [
             (SECONDS, Reported::Number(0.25), None),
             (acceleration, Reported::Number(1234.567), Some(12.3)),
-            (axis, Reported::word("X"), None),
+            (axis, Reported::Word("X".to_string()), None),
             (FROM_LINE, Reported::Number(123_456.0), None),
             (RATIO, Reported::Number(0.779996), Some(0.000084)),
         ];
