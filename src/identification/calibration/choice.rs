@@ -44,15 +44,14 @@ impl<'a> Fitting<'a> {
         progress: &'a mut dyn FnMut(f64),
     ) -> (Fitting<'a>, Machine) {
         let mut guess = machine.clone();
-        let pairs: Vec<_> = runs.iter().map(|run| run.toolpath).zip(before).collect();
         let mut waits = Vec::new();
-        for (kind, seconds, _) in waits::guesses(machine, &pairs) {
+        for (kind, seconds) in waits::guesses(machine, runs, before) {
             let freed = kind.freed(seconds);
             freed.apply(&mut guess, seconds);
             waits.push((freed, kind.value(machine)));
         }
         if runs.iter().any(|run| run.starts()) {
-            let seconds = (machine.times.start + waits::start_guess(&pairs)).max(0.0);
+            let seconds = (machine.times.start + waits::start_guess(before)).max(0.0);
             let freed = PROGRAM_START.calibrated(seconds);
             freed.apply(&mut guess, seconds);
             waits.push((freed, machine.times.start));

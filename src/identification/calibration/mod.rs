@@ -40,7 +40,7 @@ pub use waits::guesses;
 use crate::identification::alignment::Method;
 use crate::identification::calibration::choice::{Fitting, Model};
 use crate::identification::calibration::judgement::Judgement;
-use crate::identification::comparison::{Comparison, Durations, compare};
+use crate::identification::comparison::{Comparison, Durations};
 use crate::identification::effects::parameters::PROGRAM_START;
 use crate::identification::fit::{
     Exactness, FTOL, Fit, FreeParameter, Run, VariationScale, Whitening, cost_of, fit,
@@ -199,7 +199,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
 
 /// Returns the comparisons of the runs with a machine.
 fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {
-    runs.iter().map(|run| compare(run.toolpath, &run.plan(machine), run.alignment)).collect()
+    runs.iter().map(|run| run.compared(machine)).collect()
 }
 
 /// Returns the time between polls (s) of a log with lines and feedrates alone; `None` for any other recording.
@@ -339,12 +339,11 @@ fn put_back(
 /// Sets each fitted wait to the median of its visits.
 fn settle_waits(last: &mut Fit, all: &[(FreeParameter, f64)], verdicts: &[ParameterVerdict], runs: &[Run]) {
     let compared = compared(&last.machine, runs);
-    let pairs: Vec<_> = runs.iter().map(|run| run.toolpath).zip(&compared).collect();
-    let mut seconds: Vec<(Handle, f64)> = waits::guesses(&last.machine, &pairs)
+    let mut seconds: Vec<(Handle, f64)> = waits::guesses(&last.machine, runs, &compared)
         .iter()
-        .map(|(kind, seconds, _)| (kind.handle(), *seconds))
+        .map(|(kind, seconds)| (kind.handle(), *seconds))
         .collect();
-    let start = last.machine.times.start + waits::start_guess(&pairs);
+    let start = last.machine.times.start + waits::start_guess(&compared);
     seconds.push((PROGRAM_START.handle(), start));
     let fitted = all.iter().zip(verdicts).filter(|(_, verdict)| **verdict == ParameterVerdict::Fitted);
     for (at, ((freed, _), _)) in fitted.enumerate() {

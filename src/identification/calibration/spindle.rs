@@ -16,7 +16,6 @@
 use std::collections::BTreeMap;
 
 use crate::identification::alignment::median;
-use crate::identification::comparison::compare;
 use crate::identification::effects::StopKind;
 use crate::identification::fit::Run;
 use crate::machine::{Machine, SpindleState, SpindleTimes};
@@ -79,7 +78,7 @@ fn awaiting(found: &Machine, runs: &[Run]) -> (Vec<u32>, Vec<Waited>) {
     let mut votes: BTreeMap<u32, [usize; 2]> = BTreeMap::new();
     let mut all = Vec::new();
     for run in runs {
-        let comparison = compare(run.toolpath, &run.plan(found), run.alignment);
+        let comparison = run.compared(found);
         let mut change: Option<[f64; 2]> = None;
         let mut since: Vec<Waited> = Vec::new();
         let mut close = |since: &mut Vec<Waited>| {

@@ -8,11 +8,13 @@ use std::collections::BTreeMap;
 use crate::identification::alignment::median;
 use crate::identification::comparison::Comparison;
 use crate::identification::effects::{LONGEST_WAIT_S, StopKind};
+use crate::identification::fit::Run;
 use crate::machine::Machine;
 use crate::simulation::toolpath::{Stop, StopCause, Toolpath};
 
-/// Returns the kinds of stops in the recordings, each with a first guess (s) and the number of its visits.
-pub fn guesses(machine: &Machine, compared: &[(&Toolpath, &Comparison)]) -> Vec<(StopKind, f64, usize)> {
+/// Returns the kinds of stops in the recordings, each with a first guess, s; `compared` are the comparisons of the runs
+/// with the machine.
+pub fn guesses(machine: &Machine, runs: &[Run], compared: &[Comparison]) -> Vec<(StopKind, f64)> {
     let mut samples: BTreeMap<StopKind, Vec<f64>> = BTreeMap::new();
     let changes = |toolpath: &Toolpath| {
         let is_change = |stop: &Stop| matches!(stop.cause, StopCause::ToolChange { .. });
@@ -21,8 +23,8 @@ pub fn guesses(machine: &Machine, compared: &[(&Toolpath, &Comparison)]) -> Vec<
         all
     };
     // Of programs with one change each, first and others are the same.
-    let has_others = compared.iter().any(|(toolpath, _)| 1 < changes(toolpath).len());
-    for (toolpath, comparison) in compared {
+    let has_others = runs.iter().any(|run| 1 < changes(run.toolpath).len());
+    for (toolpath, comparison) in runs.iter().map(|run| run.toolpath).zip(compared) {
         let first = changes(toolpath).first().copied().filter(|_| has_others);
         for visit in comparison.lost.iter().filter(|visit| visit.waits()) {
             let kind = |at: usize| match StopKind::of(&toolpath.stops[at].cause) {
@@ -37,17 +39,14 @@ pub fn guesses(machine: &Machine, compared: &[(&Toolpath, &Comparison)]) -> Vec<
             }
         }
     }
-    let guess = |(kind, mut seconds): (StopKind, Vec<f64>)| {
-        let count = seconds.len();
-        (kind, median(&mut seconds).clamp(0.0, LONGEST_WAIT_S), count)
-    };
-    samples.into_iter().map(guess).collect()
+    let guess = |mut seconds: Vec<f64>| median(&mut seconds).clamp(0.0, LONGEST_WAIT_S);
+    samples.into_iter().map(|(kind, seconds)| (kind, guess(seconds))).collect()
 }
 
 /// Returns the time by which the recorded machine takes longer than the simulated one from the start of a program
 /// to its first block, s; the median over the runs.
-pub fn start_guess(compared: &[(&Toolpath, &Comparison)]) -> f64 {
-    let first = compared.iter().filter_map(|(_, comparison)| comparison.residuals.get(1).copied());
+pub fn start_guess(compared: &[Comparison]) -> f64 {
+    let first = compared.iter().filter_map(|comparison| comparison.residuals.get(1).copied());
     let mut seconds: Vec<f64> = first.collect();
     median(&mut seconds).clamp(-LONGEST_WAIT_S, LONGEST_WAIT_S)
 }

@@ -41,6 +41,15 @@ pub struct Candidate {
     pub beside: Vec<(FreeParameter, f64)>,
 }
 
+impl Candidate {
+    /// Returns a candidate whose only value was read off the recordings, with its standard deviation (NaN if unknown),
+    /// and no cost yet.
+    pub fn read_off(hypothesis: Hypothesis, value: f64, deviation: f64) -> Candidate {
+        let (values, deviations) = (vec![value], vec![deviation]);
+        Candidate { hypothesis, values, deviations, cost: f64::NAN, beside: Vec::new() }
+    }
+}
+
 impl<'a> Evidence<'a> {
     /// Returns the evidence of runs with the noise under which the residuals of a machine are normal, for each run
     /// separately.

@@ -198,11 +198,5 @@ pub fn feed_override(machine: &Machine, runs: &[Run], library: &[Hypothesis]) ->
     let Some(hypothesis) = found.cloned() else { return Said::Nothing };
     // It is read off and not fitted: what a model is off by must not move it.
     let hypothesis = Hypothesis { is_continuous: false, ..hypothesis };
-    Said::Other(Candidate {
-        hypothesis,
-        values: vec![ratio],
-        deviations: vec![deviation],
-        cost: f64::NAN,
-        beside: Vec::new(),
-    })
+    Said::Other(Candidate::read_off(hypothesis, ratio, deviation))
 }

@@ -9,7 +9,7 @@
 
 use crate::identification::alignment::Method;
 use crate::identification::calibration::guesses;
-use crate::identification::comparison::compare;
+use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
 use crate::identification::effects::{Hypothesis, StopKind};
 use crate::identification::fit::Run;
@@ -31,20 +31,15 @@ pub fn at_functions(
     if runs.iter().any(|run| run.alignment.method != Method::Lines) {
         return Vec::new();
     }
-    let compared: Vec<_> = runs
-        .iter()
-        .map(|run| (run.toolpath, compare(run.toolpath, &run.plan(base), run.alignment)))
-        .collect();
-    let pairs: Vec<_> = compared.iter().map(|(toolpath, comparison)| (*toolpath, comparison)).collect();
-    let candidate = |(kind, seconds, _): (StopKind, f64, usize)| {
+    let compared: Vec<Comparison> = runs.iter().map(|run| run.compared(base)).collect();
+    let candidate = |(kind, seconds): (StopKind, f64)| {
         let of_kind =
             |own: &&Hypothesis| own.freed.first().is_some_and(|freed| freed.handle == kind.handle());
         let hypothesis = library.iter().find(of_kind)?.clone();
         let is_off = MIN_WAIT_DIFFERENCE_S < (seconds - kind.value(base)).abs();
-        let (values, deviations) = (vec![seconds], vec![f64::NAN]);
-        is_off.then_some(Candidate { hypothesis, values, deviations, cost: f64::NAN, beside: Vec::new() })
+        is_off.then(|| Candidate::read_off(hypothesis, seconds, f64::NAN))
     };
-    let mut all: Vec<Candidate> = guesses(base, &pairs).into_iter().filter_map(candidate).collect();
+    let mut all: Vec<Candidate> = guesses(base, runs, &compared).into_iter().filter_map(candidate).collect();
     // What the others make unnecessary is not one of them; the least necessary goes first.
     loop {
         let gains = Evidence::of(runs, &with_all(base, &all)).gains(base, &all);

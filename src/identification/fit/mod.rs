@@ -36,7 +36,7 @@ pub use uncertainty::dispersion;
 pub use whitening::Whitening;
 
 use crate::identification::alignment::{Alignment, ProgramPlace, times_at_marks};
-use crate::identification::comparison::residuals;
+use crate::identification::comparison::{Comparison, compare, residuals};
 use crate::machine::Machine;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::simulate;
@@ -116,6 +116,11 @@ impl Run<'_> {
     /// Returns the plan of the run on a machine.
     pub fn plan(&self, machine: &Machine) -> FeedPlan {
         simulate(self.toolpath, &self.machine(machine))
+    }
+
+    /// Returns the comparison of the recording with the run on a machine.
+    pub fn compared(&self, machine: &Machine) -> Comparison {
+        compare(self.toolpath, &self.plan(machine), self.alignment)
     }
 
     /// Returns the delay of the recorded machine at each mark, s.

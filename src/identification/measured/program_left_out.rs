@@ -15,7 +15,6 @@
 //! Sources: the predictive distribution of a normal mean of unknown variance, Gelman et al. 2013, Sect. 3.3;
 //! leaving out, Stone 1974.
 
-use crate::identification::comparison::compare;
 use crate::identification::fit::{FreeParameter, Run, Whitening, fit};
 use crate::machine::{CalibratedOn, Machine};
 use crate::quote::features_of;
@@ -91,10 +90,7 @@ fn left_out(
         let others: Vec<Run> =
             runs.iter().enumerate().filter(|(at, _)| !out.contains(at)).map(|(_, run)| run.clone()).collect();
         let machine = without(machine, &others, freed);
-        let own = out.iter().map(|at| {
-            let run = &runs[*at];
-            compare(run.toolpath, &run.plan(&machine), run.alignment).motion
-        });
+        let own = out.iter().map(|at| runs[*at].compared(&machine).motion);
         let (simulated, recorded) = own.fold((0.0, 0.0), |(simulated, recorded), motion| {
             (simulated + motion.simulated, recorded + motion.recorded)
         });
