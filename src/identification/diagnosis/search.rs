@@ -112,7 +112,7 @@ pub fn with_next(
     })?;
     if let Some((second, first)) = partner.filter(|_| at == 0)
         && let Some((second, first)) =
-            passed(base, &[found.candidate.clone()], looked, &fine, (&second, &first), &[])
+            passed(base, std::slice::from_ref(&found.candidate), looked, &fine, (&second, &first), &[])
     {
         let first = first.into_iter().map(|candidate| AcceptedCause { candidate, ..found.clone() });
         return Some(first.chain([second]).collect());

@@ -84,12 +84,15 @@ const OF_PATH_LIMITS: f64 = 6.0;
 
 /// Returns the hypotheses of a velocity limit of each axis that moves, and of one along the path.
 pub fn axis_velocities(effect: Effect, context: &Context) -> Vec<Hypothesis> {
-    let of = |parameter: Adjustable, fastest: f64, axes: &'static str| {
+    let of = |parameter: Adjustable, fastest: f64, axes: &str| {
         let freed = parameter.tried_around(fastest);
-        let report = move |value| vec![AXIS.word(axes), VELOCITY.number(mm_per_min(value))];
+        let word = AXIS.word(axes);
+        let report = move |value| vec![word.clone(), VELOCITY.number(mm_per_min(value))];
         Hypothesis::single(effect, freed, ratios(0.02 * fastest, 0.97 * fastest, 14), report).variant(axes)
     };
-    let of_axis = |axis: usize| of(parameters::AXIS_VELOCITY[axis], context.axis_feedrate[axis], AXES[axis]);
+    let of_axis = |axis: usize| {
+        of(parameters::AXIS_VELOCITY[axis], context.axis_feedrate[axis], &AXES[axis].to_string())
+    };
     let along_path = of(parameters::PATH_VELOCITY, context.feedrate, ALONG_PATH);
     moved(context).map(of_axis).chain([along_path.with_rarity(OF_PATH_LIMITS)]).collect()
 }
