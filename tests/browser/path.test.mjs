@@ -25,19 +25,35 @@ async function rested(page) {
   await frame(page)
 }
 
-/** Positions (CSS pixels from the corner of the canvas) and colours of what is drawn. */
+/**
+ * What is drawn: its colours, the middle of its pixels, and the pixel that comes after a third of them, in CSS pixels from the corner
+ * of the canvas. The page itself looks at them, as there are more than a million.
+ */
 const drawn = (page) =>
   page.$eval('#path canvas', (canvas) => {
     const { width, height } = canvas
     const { data } = canvas.getContext('2d').getImageData(0, 0, width, height)
     const ratio = width / canvas.clientWidth
-    const found = []
-    for (let i = 0; i < width * height; i += 1)
-      if (data[4 * i + 3] > 0) found.push({ x: (i % width) / ratio, y: Math.floor(i / width) / ratio, color: `${data[4 * i]} ${data[4 * i + 1]} ${data[4 * i + 2]}` })
-    return found
+    const inked = []
+    const codes = new Set()
+    let [x, y] = [0, 0]
+    for (let i = 0; i < width * height; i += 1) {
+      if (data[4 * i + 3] === 0) continue
+      inked.push(i)
+      codes.add((data[4 * i] << 16) | (data[4 * i + 1] << 8) | data[4 * i + 2])
+      x += i % width
+      y += Math.floor(i / width)
+    }
+    const third = inked[Math.floor(inked.length / 3)]
+    return {
+      colors: [...codes].map((code) => `${code >> 16} ${(code >> 8) & 255} ${code & 255}`),
+      center: [x / inked.length / ratio, y / inked.length / ratio],
+      third: { x: (third % width) / ratio, y: Math.floor(third / width) / ratio },
+    }
   })
 
-const colors = async (page) => new Set((await drawn(page)).map(({ color }) => color))
+const colors = async (page) => new Set((await drawn(page)).colors)
+const center = async (page) => (await drawn(page)).center
 const legend = (page) => page.$$eval('#path .ramp span', (all) => all.map((swatch) => swatch.style.backgroundColor.match(/\d+/g).join(' ')))
 /** The shades of which colours are, each faded to white by less than a half and darkened; undefined is of a colour that is of none. */
 function litShades(found, shades) {
@@ -156,8 +172,7 @@ pageTest('path, text and charts have one cursor', async ({ page }) => {
   await opened(page)
   const box = await page.locator('#path .space').boundingBox()
   // On the path, by pointer.
-  const pixels = await drawn(page)
-  const { x, y } = pixels[Math.floor(pixels.length / 3)]
+  const { x, y } = (await drawn(page)).third
   await page.mouse.move(box.x + x + 1, box.y + y + 1)
   await page.waitForSelector('#path .here')
   assert.ok(await page.isVisible('#chart .cross'))
@@ -196,22 +211,21 @@ pageTest('path, text and charts have one cursor', async ({ page }) => {
 
 pageTest('the view turns, moves and zooms by pointer and keys, and comes back', async ({ page }) => {
   await opened(page)
-  const center = (pixels) => [pixels.reduce((sum, { x }) => sum + x, 0) / pixels.length, pixels.reduce((sum, { y }) => sum + y, 0) / pixels.length]
   assert.equal(await page.getAttribute('#path [data-look="turned"]', 'aria-pressed'), 'true', 'a part with depth is first seen obliquely')
   await page.click('#path [data-look="top"]')
   await rested(page)
-  const whole = center(await drawn(page))
+  const whole = await center(page)
   // Smaller, so that nothing of it leaves the picture when it moves.
   await page.click('#path [data-do="out"]')
   await rested(page)
-  const small = center(await drawn(page))
+  const small = await center(page)
   const box = await page.locator('#path .space').boundingBox()
   await page.mouse.move(box.x + 200, box.y + 200)
   await page.mouse.down()
   await page.mouse.move(box.x + 240, box.y + 230, { steps: 4 })
   await page.mouse.up()
   await rested(page)
-  const moved = center(await drawn(page))
+  const moved = await center(page)
   assert.ok(Math.abs(moved[0] - small[0] - 40) < 3 && Math.abs(moved[1] - small[1] - 30) < 3, `${small} to ${moved}`)
   const scale = () => page.$eval('#path .scale', (bar) => parseFloat(bar.textContent) / bar.clientWidth)
   const before = await scale()
@@ -223,7 +237,7 @@ pageTest('the view turns, moves and zooms by pointer and keys, and comes back', 
   await page.focus('#path .space')
   await page.keyboard.press('Home')
   await rested(page)
-  const back = center(await drawn(page))
+  const back = await center(page)
   assert.ok(Math.hypot(back[0] - whole[0], back[1] - whole[1]) < 0.5, 'Home shows the whole again')
   const axes = () => page.$$eval('#path .axes span', (all) => all.map(({ textContent }) => textContent).join(''))
   assert.equal(await axes(), 'XY')
@@ -233,11 +247,11 @@ pageTest('the view turns, moves and zooms by pointer and keys, and comes back', 
   await page.click('#path [data-look="turned"]')
   await rested(page)
   assert.equal(await axes(), 'XYZ')
-  const first = center(await drawn(page))
+  const first = await center(page)
   await page.focus('#path .space')
   for (let i = 0; i < 4; i += 1) await page.keyboard.press('ArrowRight')
   await rested(page)
-  assert.notDeepEqual(center(await drawn(page)), first)
+  assert.notDeepEqual(await center(page), first)
 })
 
 pageTest('with a recording the path shows where time was lost', async ({ page }) => {
