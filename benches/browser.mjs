@@ -12,10 +12,11 @@
 // and it turns the path in space, as a user does by dragging, and prints how long the slowest picture takes.
 
 import { execFileSync } from 'node:child_process'
-import { readFileSync } from 'node:fs'
+import { existsSync, readFileSync } from 'node:fs'
 import { argv } from 'node:process'
 import { openPage } from '../tests/browser/harness.mjs'
 
+if (existsSync(new URL('../www/pkg/quick-build', import.meta.url))) throw new Error('www/pkg is a quick build, which is slower; run scripts/build')
 const megabytes = Number(argv.slice(2).find((argument) => /^\d+$/.test(argument)) ?? 300)
 
 const { page, close } = await openPage({ path: '/index.html' })

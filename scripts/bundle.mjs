@@ -1,9 +1,10 @@
-// Makes of www/ what is delivered:  node scripts/bundle.mjs [OUT]. Needs: scripts/build.
+// Makes of www/ what is delivered:  node scripts/bundle.mjs [OUT]. Needs: scripts/build. A quick build is bundled only with OUT, for tests.
 //
 // The same page in fewer and smaller files, at the same addresses: scripts and styles without comments, modules that are loaded
 // together in one file, and beside each text its form with brotli. Development and tests need none of it: www/ works as it is.
 
 import { createHash } from 'node:crypto'
+import { existsSync } from 'node:fs'
 import { cp, mkdir, readFile, readdir, rm, writeFile } from 'node:fs/promises'
 import { join, relative } from 'node:path'
 import { argv } from 'node:process'
@@ -26,6 +27,8 @@ const NOT_KEPT = /^sw\.js$|^pkg\/files\.js$|\.br$/
 
 const files = async (/** @type {string} */ folder) =>
   (await readdir(folder, { recursive: true, withFileTypes: true })).filter((entry) => entry.isFile()).map((entry) => relative(folder, join(entry.parentPath, entry.name)).replaceAll('\\', '/'))
+
+if (!argv[2] && existsSync(join(WWW, 'pkg/quick-build'))) throw new Error('www/pkg is a quick build, for tests only; run scripts/build')
 
 await rm(OUT, { recursive: true, force: true })
 await mkdir(OUT, { recursive: true })

@@ -17,6 +17,12 @@ die() {
   exit 1
 }
 
+# Whether the last build was a quick one (scripts/build --quick), which is for tests only.
+is_quick_build() { [ -f www/pkg/quick-build ]; }
+refuse_quick_build() {
+  if is_quick_build; then die "www/pkg is a quick build, for tests only (scripts/test makes one); run scripts/build first"; fi
+}
+
 may_use_apt() {
   command -v apt-get >/dev/null && { [ "$(id -u)" = 0 ] || sudo -n true 2>/dev/null; }
 }

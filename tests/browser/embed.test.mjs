@@ -33,7 +33,7 @@ hourly = 85
 
 const scratch = mkdtempSync(join(tmpdir(), 'truefeed-embed-'))
 after(() => rmSync(scratch, { recursive: true }))
-before(() => execFileSync(join(ROOT, 'scripts/package'), { stdio: 'ignore' }))
+before(() => execFileSync(join(ROOT, 'scripts/package'), ['--quick'], { stdio: 'ignore' }))
 
 /** What the command line says. */
 function predicted(program, tolerances) {

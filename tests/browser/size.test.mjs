@@ -1,14 +1,14 @@
-// What the page takes over the wire as it is delivered, with brotli: until the first chart of a first visit stands, and all that is
-// ever loaded. And that what is delivered does what www/ does.
+// What is delivered does what www/ does. What it takes over the wire, with brotli, the full suite checks, which builds what is
+// delivered: until the first chart of a first visit is there, and all that is ever loaded.
 
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
-import { readdirSync, statSync } from 'node:fs'
+import { existsSync, mkdtempSync, readdirSync, rmSync, statSync } from 'node:fs'
+import { tmpdir } from 'node:os'
 import { join } from 'node:path'
-import { before, test } from 'node:test'
-import { DELIVERED } from '../../scripts/serve.mjs'
+import { after, before, test } from 'node:test'
 import { openPage } from './harness.mjs'
-import { ROOT, computed, cycleTimes } from './steps.mjs'
+import { ROOT, computed, cycleTimes, longPlainTest } from './steps.mjs'
 
 const MOST_BYTES = 400_000
 /** More than the 1.35 MB that we want. Compiled for size, the module would be a tenth smaller and half as fast. */
@@ -17,7 +17,9 @@ const WHOLE = '/pkg/truefeed_whole_bg.wasm'
 /** What no visit of the page loads: what other pages embed, licences, the worker that keeps files, and of the picture of the answer all but the one for the screen. */
 const NOT_LOADED = /^embed|notices\.txt$|^sw\.js|\.br$|answer-(phone|dark)/
 
-before(() => execFileSync('node', [join(ROOT, 'scripts/bundle.mjs')], { stdio: 'ignore' }))
+const delivered = mkdtempSync(join(tmpdir(), 'truefeed-delivered-'))
+before(() => execFileSync('node', [join(ROOT, 'scripts/bundle.mjs'), delivered], { stdio: 'ignore' }))
+after(() => rmSync(delivered, { recursive: true }))
 
 /** What came over the wire for a request, and when it began. @param {import('playwright-core').Request} request */
 async function weighed(request) {
@@ -28,8 +30,9 @@ async function weighed(request) {
 
 const kB = (/** @type {number} */ bytes) => `${Math.ceil(bytes / 1000)} kB`
 
-test('a first visit is small up to its charts, and the rest comes when they stand', { timeout: 180_000 }, async (context) => {
-  const { page, origin, errors, close } = await openPage({ path: '/icon.svg', folder: DELIVERED })
+/** A first visit of what is delivered, up to its end: what it received, and when a chart was there. */
+async function visited() {
+  const { page, origin, errors, close } = await openPage({ path: '/icon.svg', folder: delivered })
   try {
     // What the service worker fetches beside the visit, to keep it, is not among them.
     /** @type {Promise<{path: string, start: number, bytes: number}>[]} */
@@ -59,39 +62,57 @@ test('a first visit is small up to its charts, and the rest comes when they stan
     page.off('requestfinished', note)
     const received = await Promise.all(coming)
     const at = await page.evaluate(() => window.firstChart)
-    assert.ok(at, 'no chart is drawn')
-    const sum = (/** @type {typeof received} */ all) => all.reduce((sum, { bytes }) => sum + bytes, 0)
-    const first = received.filter(({ start }) => start <= at)
-    const later = received.filter(({ start }) => at < start)
-    const module = sum(first.filter(({ path }) => path === '/pkg/truefeed_bg.wasm'))
-    context.diagnostic(`a first visit takes ${kB(sum(first))} until its chart stands, ${kB(module)} of them its module; ${kB(sum(later))} come after`)
-    for (const path of ['/main.js', '/worker.js', '/pkg/truefeed_bg.wasm', '/samples/pocket.nc'])
-      assert.ok(
-        first.some((one) => one.path === path),
-        `${path} is not counted`,
-      )
-    assert.ok(
-      later.some(({ path }) => path === WHOLE),
-      'the whole module does not come after the first chart',
-    )
-    assert.ok(!first.some(({ path }) => path === WHOLE), 'the whole module is fetched before the first chart stands')
-    assert.ok(sum(first) < MOST_BYTES, `a first visit takes ${sum(first)} bytes`)
-    assert.equal((await cycleTimes(page)).length, 3)
-    // A picture alone names no icon, so that the browser asks for the usual one.
-    assert.deepEqual(
-      errors.filter((error) => !error.includes('/favicon.ico')),
-      [],
-    )
+    return { at, first: received.filter(({ start }) => start <= at), later: received.filter(({ start }) => at < start), times: await cycleTimes(page), errors }
   } finally {
     await close()
   }
+}
+
+/** @type {ReturnType<typeof visited> | undefined} */
+let visit
+/** The one visit that all tests look at. */
+const firstVisit = () => (visit ??= visited())
+
+/** A quick build is larger than what is delivered. */
+const assertDelivered = () => assert.ok(!existsSync(join(ROOT, 'www/pkg/quick-build')), 'www/pkg is a quick build; run scripts/build')
+
+const sumOf = (/** @type {{ bytes: number }[]} */ all) => all.reduce((sum, { bytes }) => sum + bytes, 0)
+
+test('what is delivered computes the sample, and its whole module comes when the first chart is there', { timeout: 180_000 }, async () => {
+  const { at, first, later, times, errors } = await firstVisit()
+  assert.ok(at, 'no chart is drawn')
+  assert.equal(times.length, 3)
+  for (const path of ['/main.js', '/worker.js', '/pkg/truefeed_bg.wasm', '/samples/pocket.nc'])
+    assert.ok(
+      first.some((one) => one.path === path),
+      `${path} is not counted`,
+    )
+  assert.ok(
+    later.some(({ path }) => path === WHOLE),
+    'the whole module does not come after the first chart',
+  )
+  assert.ok(!first.some(({ path }) => path === WHOLE), 'the whole module is fetched before the first chart is there')
+  // A picture alone names no icon, so that the browser asks for the usual one.
+  assert.deepEqual(
+    errors.filter((error) => !error.includes('/favicon.ico')),
+    [],
+  )
 })
 
-test('all that is ever loaded stays small', (context) => {
-  const sent = readdirSync(DELIVERED, { recursive: true })
+longPlainTest('a first visit is small up to its charts', { timeout: 180_000 }, async (context) => {
+  assertDelivered()
+  const { first, later } = await firstVisit()
+  const module = sumOf(first.filter(({ path }) => path === '/pkg/truefeed_bg.wasm'))
+  context.diagnostic(`a first visit takes ${kB(sumOf(first))} until its chart is there, ${kB(module)} of them its module; ${kB(sumOf(later))} come after`)
+  assert.ok(sumOf(first) < MOST_BYTES, `a first visit takes ${sumOf(first)} bytes`)
+})
+
+longPlainTest('all that is ever loaded stays small', {}, (context) => {
+  assertDelivered()
+  const sent = readdirSync(delivered, { recursive: true })
     .map(String)
-    .filter((name) => !NOT_LOADED.test(name) && statSync(join(DELIVERED, name)).isFile())
-    .map((name) => ({ name, bytes: statSync(join(DELIVERED, name), { throwIfNoEntry: true }).size, small: statSync(join(DELIVERED, `${name}.br`), { throwIfNoEntry: false })?.size }))
+    .filter((name) => !NOT_LOADED.test(name) && statSync(join(delivered, name)).isFile())
+    .map((name) => ({ name, bytes: statSync(join(delivered, name), { throwIfNoEntry: true }).size, small: statSync(join(delivered, `${name}.br`), { throwIfNoEntry: false })?.size }))
   const sum = sent.reduce((total, { bytes, small }) => total + (small ?? bytes), 0)
   context.diagnostic(`all ${sent.length} files of the page take ${kB(sum)}`)
   assert.ok(sent.some(({ name }) => name === 'pkg/truefeed_whole_bg.wasm') && sent.some(({ name }) => name === 'main.js'))

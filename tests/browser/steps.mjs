@@ -45,6 +45,9 @@ export function pageTest(name, body, { viewport, skip = false, isLong = false, o
 /** A page test that runs in the full suite only. @type {typeof pageTest} */
 export const longTest = (name, body, options) => pageTest(name, body, { ...options, isLong: true })
 
+/** A test that opens its pages itself, and runs in the full suite only. @param {string} name @param {{ timeout?: number }} options @param {(context: import('node:test').TestContext) => Promise<void> | void} body */
+export const longPlainTest = (name, options, body) => test(name, { ...options, skip: leftForAll(name) }, body)
+
 /** Notes on a line, which `scripts/test` collects, that a check cannot run here. @param {string} reason  what is missing, and what would provide it */
 export function skipped(reason) {
   console.log(`skipped: ${reason}`)

@@ -9,11 +9,13 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
+use crate::QUICK;
+
 const LIST: &str = "files.js";
 
-/// What a visitor does not need: the worker that keeps the files and its list, types, and what a server sends in the place
-/// of the file itself.
-const LEFT_OUT: [&str; 4] = ["sw.js", LIST, ".d.ts", ".br"];
+/// What a visitor does not need: the worker that keeps the files and its list, types, what a server sends in the place
+/// of the file itself, and the mark of a quick build.
+const LEFT_OUT: [&str; 5] = ["sw.js", LIST, ".d.ts", ".br", QUICK];
 
 /// Lists the files of the page that holds the folder `package`, and writes the list there.
 pub fn write(package: &Path) -> Result<()> {

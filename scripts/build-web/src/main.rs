@@ -10,6 +10,9 @@
 //! The package is made beside its place and then moved there, so that a failed build leaves the
 //! previous one, and no file of the previous one stays. In the end the list of the page's files is
 //! written, from which it works without a network ([`files`]).
+//!
+//! With `--quick` the modules are left as the compiler makes them, since `wasm-opt` takes minutes. Such a package computes the
+//! same and is larger: it is for tests, and has the file [`QUICK`], by which the scripts that publish refuse it.
 
 mod files;
 mod notices;
@@ -33,6 +36,8 @@ const SETTINGS: &str = "wasm-pack.toml";
 const WASM_TARGET: &str = "wasm32-unknown-unknown";
 const WASM_OPT: &str = "node_modules/binaryen/bin/wasm-opt";
 const COMPRESS: &str = "scripts/compress.mjs";
+/// The file that marks the package of a quick build.
+const QUICK: &str = "quick-build";
 
 /// What `wasm-pack.toml` says; every key is required and no other is known.
 #[derive(Deserialize)]
@@ -71,7 +76,13 @@ enum Target {
 }
 
 fn main() -> ExitCode {
-    match build() {
+    let options: Vec<String> = env::args().skip(1).collect();
+    let is_quick = options == ["--quick"];
+    if !is_quick && !options.is_empty() {
+        eprintln!("unknown options {options:?}; there is: --quick");
+        return ExitCode::FAILURE;
+    }
+    match build(is_quick) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("the page was not built: {error:#}");
@@ -81,9 +92,15 @@ fn main() -> ExitCode {
 }
 
 /// Runs the steps in order and says what each one does.
-fn build() -> Result<()> {
+fn build(is_quick: bool) -> Result<()> {
+    let kind =
+        if is_quick { "quick build, without wasm-opt: for tests only" } else { "build that is delivered" };
+    println!("{kind}");
     let text = fs::read_to_string(SETTINGS).with_context(|| format!("cannot read {SETTINGS}"))?;
-    let settings: Settings = toml::from_str(&text).context(SETTINGS)?;
+    let mut settings: Settings = toml::from_str(&text).context(SETTINGS)?;
+    if is_quick {
+        settings.module.iter_mut().for_each(|module| module.wasm_opt.clear());
+    }
 
     let package = settings.out_dir.with_extension("new");
     remove_if_there(&package)?;
@@ -94,13 +111,17 @@ fn build() -> Result<()> {
         made.into_iter().try_for_each(|made| made.join().unwrap_or_else(|panic| resume_unwind(panic)))
     })?;
     notices::write(&package)?;
+    if is_quick {
+        fs::write(package.join(QUICK), "of scripts/build --quick, for tests only\n")
+            .with_context(|| format!("cannot write {QUICK}"))?;
+    }
     println!("compressing");
     run_node(COMPRESS, [&package])?;
 
     remove_if_there(&settings.out_dir)?;
     fs::rename(&package, &settings.out_dir)
         .with_context(|| format!("cannot move the package to {}", settings.out_dir.display()))?;
-    println!("the package is in {}", settings.out_dir.display());
+    println!("the package is in {} ({kind})", settings.out_dir.display());
     files::write(&settings.out_dir)?;
     Ok(())
 }
