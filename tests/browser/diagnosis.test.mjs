@@ -102,9 +102,10 @@ pageTest('what is concealed in the sample is found', async ({ page }) => {
     await page.locator('#diagnosis').screenshot({ path: join(ROOT, `tests/browser/output/${name}.png`) })
   })
 
-  // A region is shown in the charts.
+  // A region is shown in the charts, each of which is drawn when it comes in sight.
   const whole = await page.getAttribute('#diagnosis .plot', 'data-span')
   await page.click('#diagnosis .scroll button')
+  await page.locator('#diagnosis .plot canvas').scrollIntoViewIfNeeded()
   await page.waitForFunction((whole) => document.querySelector('#diagnosis .plot').dataset.span !== whole, whole)
 })
 
