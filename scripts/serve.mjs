@@ -15,7 +15,7 @@ import { promisify } from 'node:util'
 import { brotliCompress, constants, gzip } from 'node:zlib'
 
 const WWW = fileURLToPath(new URL('../www', import.meta.url))
-export const DELIVERED = fileURLToPath(new URL('../target/delivered', import.meta.url))
+const DELIVERED = fileURLToPath(new URL('../target/delivered', import.meta.url))
 
 /** @type {Record<string, string>} */
 const TYPES = {

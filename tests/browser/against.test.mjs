@@ -6,7 +6,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
-import { ROOT, atEverySize, binary, computed, drop, frame, pageTest } from './steps.mjs'
+import { ROOT, atEverySize, binary, computed, drop, frame, longTest, pageTest } from './steps.mjs'
 
 const PROGRAMS = ['bracket-10.nc', 'bracket-20.nc', 'bracket-30.nc'].map((name) => join(ROOT, 'www/samples', name))
 const TITLES = ['BRACKET OP10 FACE AND POCKET', 'BRACKET OP20 DRILLING', 'BRACKET OP30 CONTOUR FINISH']
@@ -74,7 +74,7 @@ pageTest('another revision of one program is compared by operation, in price, an
   assert.ok((await page.textContent('#bar .job')).length > 0)
 })
 
-pageTest('a feedrate that was changed shows in the lines after it, on the path and in the charts', async ({ page }) => {
+longTest('a feedrate that was changed shows in the lines after it, on the path and in the charts', async ({ page }) => {
   const text = readFileSync(PROGRAMS[2], 'utf8')
   const faster = text.replace(/F(\d+)/g, (_, feed) => `F${Math.round(Number(feed) / 2)}`)
   assert.notEqual(faster, text)
@@ -103,7 +103,7 @@ pageTest('a feedrate that was changed shows in the lines after it, on the path a
   await page.waitForFunction(() => ![...document.querySelectorAll('#path .by option')].some(({ value }) => value === 'revised'))
 })
 
-pageTest('the same job on another machine is as the command compares both', async ({ page }) => {
+longTest('the same job on another machine is as the command compares both', async ({ page }) => {
   await begin(page)
   await page.click('#more [aria-controls="against"]')
   await page.click('[popovertarget="jobs"]')
@@ -144,7 +144,7 @@ pageTest('the same job on another machine is as the command compares both', asyn
   )
 })
 
-pageTest('a job as a file is compared where its programs are there, and what is neither is refused', async ({ page }) => {
+longTest('a job as a file is compared where its programs are there, and what is neither is refused', async ({ page }) => {
   await begin(page)
   const job = join(scratch, 'two.json')
   const machine = await page.$eval('#preset', (select) => select.options[0].textContent)

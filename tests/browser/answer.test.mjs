@@ -5,7 +5,7 @@ import { mkdtempSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
-import { ROOT, computed, drop, pageTest } from './steps.mjs'
+import { ROOT, computed, drop, longTest, pageTest } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 const scratch = mkdtempSync(join(tmpdir(), 'truefeed-answer-'))
@@ -29,7 +29,7 @@ pageTest('path, player and operations follow the tolerance that is quoted, until
   assert.equal(await shown(), '20 µm', 'what was chosen by hand stays')
 })
 
-pageTest('a time of which much is in doubt is no bold answer', async ({ page }) => {
+longTest('a time of which much is in doubt is no bold answer', async ({ page }) => {
   const doubtful = join(scratch, 'doubtful.nc')
   writeFileSync(doubtful, 'G21 G90\nG28 Z0\nG0 X0 Y0\nG1 X50 F6000\nY50\nG28 X0\nG28 Y0\nM30\n')
   await drop(page, 'main', [SAMPLE])

@@ -4,10 +4,9 @@ import assert from 'node:assert/strict'
 import { createRequire } from 'node:module'
 import { readFileSync } from 'node:fs'
 import { join } from 'node:path'
-import { test } from 'node:test'
 import { servePlainPage, servePortal } from '../../examples/embedding/serve.mjs'
 import { openPage } from './harness.mjs'
-import { ROOT, computed, longTest, pageTest } from './steps.mjs'
+import { ROOT, computed, longPlainTest, longTest, pageTest } from './steps.mjs'
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8')
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
@@ -33,7 +32,15 @@ function looker(page, top = page) {
   }
 }
 
-pageTest('the page has no fault', async ({ page }) => {
+pageTest('the page with results has no fault', async ({ page }) => {
+  const { look, done } = looker(page)
+  await page.setInputFiles('#files', SAMPLE)
+  await computed(page)
+  await look('results')
+  done()
+})
+
+longTest('no state of the page has a fault', async ({ page }) => {
   const { look, done } = looker(page)
   await look('empty')
 
@@ -128,7 +135,7 @@ pageTest('what is refused is announced as refused, and only that', async ({ page
   }
 })
 
-test('components on a page, and a frame in a portal of another origin, have no fault', { timeout: 120_000 }, async () => {
+longPlainTest('components on a page, and a frame in a portal of another origin, have no fault', { timeout: 120_000 }, async () => {
   const [opened, plain, portal] = await Promise.all([openPage({ path: '/embed.html' }), servePlainPage(), servePortal()])
   const { page } = opened
   const { look, done } = looker(page)

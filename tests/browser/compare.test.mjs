@@ -3,7 +3,7 @@
 
 import assert from 'node:assert/strict'
 import { join } from 'node:path'
-import { binary, computed, frame, machineOf, pageTest, predicted, reach, ROOT, shot } from './steps.mjs'
+import { binary, computed, frame, longTest, machineOf, pageTest, predicted, reach, ROOT, shot } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 
@@ -46,7 +46,7 @@ pageTest('tolerances stand side by side, on another machine as well, with the ti
   assert.deepEqual(own.slice(3), both.slice(3))
 })
 
-pageTest('the curve over the tolerance falls to the programmed time, and a click on it adds a tolerance', async ({ page }) => {
+longTest('the curve over the tolerance falls to the programmed time, and a click on it adds a tolerance', async ({ page }) => {
   await page.setInputFiles('#files', SAMPLE)
   await computed(page)
   await curveDone(page)
@@ -100,7 +100,7 @@ pageTest('the curve over the tolerance falls to the programmed time, and a click
   await shot(page, 'compare-1280')
 })
 
-pageTest('the computation of the curve can be stopped and gone on with', async ({ page }) => {
+longTest('the computation of the curve can be stopped and gone on with', async ({ page }) => {
   const lines = ['G21 G90 G94', 'G0 X0 Y0 Z0', 'F3000']
   for (let i = 1; i <= 60_000; i += 1) lines.push(`G1 X${(i * 0.1).toFixed(3)} Y${(Math.sin(i) * 0.2).toFixed(3)}`)
   // A panel that is opened for the first time compares with another machine, which begins the curve anew: it is open before.

@@ -6,7 +6,7 @@ import { rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
-import { binary, computed, frame, machineOf, pageTest, shot } from './steps.mjs'
+import { binary, computed, frame, longTest, machineOf, pageTest, shot } from './steps.mjs'
 
 const PROGRAM = join(tmpdir(), `truefeed-cutting-${process.pid}.nc`)
 const JOB = join(tmpdir(), `truefeed-cutting-${process.pid}.toml`)
@@ -79,7 +79,7 @@ function raster(count) {
   return `${lines.join('\n')}\nG0 Z5\nM30\n`
 }
 
-pageTest('peaks lead to the chart and the program, and operations gain volume and power', async ({ page }) => {
+longTest('peaks lead to the chart and the program, and operations gain volume and power', async ({ page }) => {
   await page.setInputFiles('#files', PROGRAM)
   await computed(page)
   const span = () => page.$eval('#chart .plot', (plot) => plot.dataset.span.split(' ').map(Number))
@@ -127,7 +127,7 @@ pageTest('peaks lead to the chart and the program, and operations gain volume an
   assert.match(await page.textContent('#cutting .result li:last-child, #cutting .result'), /are not checked/)
 })
 
-pageTest('a program of 20 000 lines does not block the page, tells its progress and can be stopped', async ({ page }) => {
+longTest('a program of 20 000 lines does not block the page, tells its progress and can be stopped', async ({ page }) => {
   const text = raster(20_000)
   assert.ok(text.split('\n').length > 20_000)
   await page.setInputFiles('#files', { name: 'raster.nc', mimeType: 'text/plain', buffer: Buffer.from(text) })

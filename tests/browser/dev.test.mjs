@@ -4,10 +4,10 @@ import assert from 'node:assert/strict'
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
-import { test } from 'node:test'
 import { chromium } from 'playwright-core'
 import { serve } from '../../scripts/serve.mjs'
 import { findChromium } from './chromium.mjs'
+import { longPlainTest } from './steps.mjs'
 
 /** A page of one file, with a service worker that answers with what it kept, as ours does. */
 const PAGE = (text) => `<!doctype html><title>${text}</title><link rel="icon" href="data:,"><script src="page.js"></script>`
@@ -17,7 +17,7 @@ self.addEventListener('install', (event) => event.waitUntil(caches.open('kept').
 self.addEventListener('fetch', (event) => event.respondWith(caches.match(event.request).then((kept) => kept ?? fetch(event.request))))
 `
 
-test('without the service worker an edit shows on reload, and with it the last build does', { timeout: 120_000 }, async () => {
+longPlainTest('without the service worker an edit shows on reload, and with it the last build does', { timeout: 120_000 }, async () => {
   const folder = mkdtempSync(join(tmpdir(), 'truefeed-dev-'))
   const edit = (text) => writeFileSync(join(folder, 'index.html'), PAGE(text))
   writeFileSync(join(folder, 'page.js'), REGISTER)

@@ -109,7 +109,7 @@ pageTest('what is concealed in the sample is found', async ({ page }) => {
   await page.waitForFunction((whole) => document.querySelector('#diagnosis .plot').dataset.span !== whole, whole)
 })
 
-pageTest('the extended machine is used, undone, saved and varied; the report is exported', async ({ page }) => {
+longTest('the extended machine is used, undone, saved and varied; the report is exported', async ({ page }) => {
   const own = await formOf(page)
   await diagnoseSample(page)
   const stock = await formOf(page)
@@ -249,7 +249,7 @@ pageTest('a diagnosis can be cancelled, and leaves everything as it was', async 
   assert.ok(await page.isEnabled('#diagnosis .start'))
 })
 
-pageTest('a reload keeps what was found', async ({ page }) => {
+longTest('a reload keeps what was found', async ({ page }) => {
   await diagnoseSample(page)
   const [sentence, numbers] = await page.$$eval('#diagnosis .sentence, #diagnosis .result', (all) => all.map(({ textContent }) => textContent))
   await kept(page, ({ isDiagnosed }) => isDiagnosed)
@@ -274,7 +274,7 @@ pageTest('a recording that is refused says why, and is not diagnosed', async ({ 
   assert.equal(await page.textContent('#diagnosis .why'), 'standin.csv cannot be diagnosed, as it cannot be compared with its program.')
 })
 
-longTest('the keyboard alone finds what is concealed', async ({ page }) => {
+pageTest('the keyboard alone finds what is concealed', async ({ page }) => {
   const press = async (selector) => {
     for (let steps = 0; steps < 150; steps += 1) {
       if (await page.evaluate((wanted) => document.activeElement?.matches(wanted), selector)) break

@@ -11,7 +11,7 @@ import { build } from 'vite'
 import { servePlainPage, servePortal } from '../../examples/embedding/serve.mjs'
 import { serve } from '../../scripts/serve.mjs'
 import { leaving, openPage } from './harness.mjs'
-import { binary, leftForAll, ROOT, shot } from './steps.mjs'
+import { binary, leftForAll, longPlainTest, ROOT, shot } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 const PACKAGE = join(ROOT, 'target/npm')
@@ -55,9 +55,9 @@ function assertAlike(quote, expected) {
   assert.equal(quote.diagnostics.length, expected.diagnostics.length)
 }
 
-/** A page of an example, in a browser; its requests may go to the example's servers alone. */
-function exampleTest(name, address, body, { isLong = false } = {}) {
-  test(name, { skip: isLong && leftForAll(name), timeout: 120_000 }, async (context) => {
+/** A page of an example, in a browser; its requests may go to the example's servers alone. `skip`: why it does not run */
+function exampleTest(name, address, body, { skip = false } = {}) {
+  test(name, { skip, timeout: 120_000 }, async (context) => {
     const [plain, portal] = await Promise.all([servePlainPage(), servePortal()])
     // Any page that is soon at rest: one that is left while it loads makes errors of its own.
     const opened = await openPage({ path: '/embed.html' })
@@ -74,6 +74,9 @@ function exampleTest(name, address, body, { isLong = false } = {}) {
     }
   })
 }
+
+/** A test of an example that runs in the full suite only. */
+const longExampleTest = (name, address, body) => exampleTest(name, address, body, { skip: leftForAll(name) })
 
 const quoteOf = (page, id) => page.waitForFunction((id) => document.getElementById(id).quote, id, { timeout: 60_000 }).then((handle) => handle.jsonValue())
 const rowsOf = (page, id) => page.$$eval(`#${id} tbody tr`, (rows) => rows.length)
@@ -342,7 +345,7 @@ exampleTest(
   },
 )
 
-exampleTest(
+longExampleTest(
   'a frame says nothing to an origin that its address does not name',
   ({ plain }) => `${plain.origin}/page.html`,
   async ({ page, plain, portal, errors }) => {
@@ -378,7 +381,7 @@ exampleTest(
   },
 )
 
-exampleTest(
+longExampleTest(
   'each message gets one answer that says what is wrong, and no text is refused for what stands in it',
   ({ plain }) => `${plain.origin}/page.html`,
   async ({ page, plain, portal }) => {
@@ -413,7 +416,7 @@ exampleTest(
   },
 )
 
-exampleTest(
+longExampleTest(
   'a machine of objects in objects gets one answer, and what the browser cannot read gets one too',
   ({ plain }) => `${plain.origin}/page.html`,
   async ({ page, plain, portal }) => {
@@ -470,12 +473,8 @@ exampleTest(
   },
 )
 
-for (const [count, isLong] of [
-  [1000, false],
-  [10_000, false],
-  [50_000, true],
-]) {
-  exampleTest(
+for (const count of [1000, 10_000, 50_000]) {
+  longExampleTest(
     `of ${count} requests in a row each is answered, and those that are superseded start no worker`,
     ({ plain }) => `${plain.origin}/page.html`,
     async ({ page, plain, portal }, context) => {
@@ -521,7 +520,6 @@ for (const [count, isLong] of [
       // A wait for calm may end between two messages when the machine is busy; one worker each it is not.
       assert.ok(started <= 3 + count / 200, `${started} workers`)
     },
-    { isLong },
   )
 }
 
@@ -604,7 +602,7 @@ test('the example in Node quotes a folder', () => {
   assert.match(refused.stderr, /there is no machine “nothing”/)
 })
 
-test('the types of the package hold for those who use it', () => {
+longPlainTest('the types of the package hold for those who use it', {}, () => {
   const user = join(scratch, 'user')
   mkdirSync(join(user, 'node_modules'), { recursive: true })
   symlinkSync(PACKAGE, join(user, 'node_modules/truefeed'))

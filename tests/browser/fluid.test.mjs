@@ -2,7 +2,7 @@
 // benches/browser.mjs to say.
 
 import assert from 'node:assert/strict'
-import { computed, frame, pageTest } from './steps.mjs'
+import { computed, frame, longTest } from './steps.mjs'
 
 const LINES = 22_000
 
@@ -18,7 +18,7 @@ function surface(lines) {
   return [...text, 'M30'].join('\n')
 }
 
-pageTest(`a program of ${LINES} lines is drawn before it is simulated, and coarsely while chart or path move`, async ({ page }) => {
+longTest(`a program of ${LINES} lines is drawn before it is simulated, and coarsely while chart or path move`, async ({ page }) => {
   // Seen by the page itself: whether a cycle time was there when the chart first showed a stretch.
   const wasSimulated = page.evaluate(
     (text) =>

@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
-import { computed, frame, pageTest } from './steps.mjs'
+import { computed, frame, longTest, pageTest } from './steps.mjs'
 
 /** One corner of 90°, far from both ends: each curve takes its whole tolerance there. */
 const CORNER = { name: 'corner.nc', mimeType: 'text/plain', buffer: Buffer.from('G21 G90\nG1 X100 F3000\nG1 Y100\n') }
@@ -87,7 +87,7 @@ pageTest('the chart, its table and its readings are in inches, and undo brings m
   assert.deepEqual(await tableRows(page), before.rows)
 })
 
-pageTest('tolerances, places and lengths are in inches on the rest of the page, also after a reload', async ({ page }) => {
+longTest('tolerances, places and lengths are in inches on the rest of the page, also after a reload', async ({ page }) => {
   await opened(page)
   await page.check('#tolerances input[value="20 µm"]')
   await choose(page, 'inch', 'in')

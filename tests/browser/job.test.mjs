@@ -107,7 +107,7 @@ pageTest('the answer is that of the job: parts on a fixture share tool changes i
   await atEverySize(page, 'job-fixture')
 })
 
-pageTest('an operation that moves nothing hides neither the price of the job nor its time', async ({ page }) => {
+longTest('an operation that moves nothing hides neither the price of the job nor its time', async ({ page }) => {
   const still = join(scratch, 'probe-cycle.nc')
   writeFileSync(still, 'G21 G90\nM0\nM30\n')
   await drop(page, 'body', [...PROGRAMS.slice(0, 2), still])
@@ -150,7 +150,7 @@ pageTest('operations are moved by keys, by buttons and by dragging, and renamed,
   assert.deepEqual(await operations(page), [TITLES[1], TITLES[0], TITLES[2]])
 })
 
-pageTest('an operation has a machine, a set-up and a loading of its own', async ({ page }) => {
+longTest('an operation has a machine, a set-up and a loading of its own', async ({ page }) => {
   await drop(page, 'body', PROGRAMS.slice(0, 2))
   await ready(page, TITLES.slice(0, 2))
   await page.fill('#term-rates-hourly', '60')

@@ -82,7 +82,7 @@ longTest('settings of one’s own wait until they are wanted back', async ({ pag
   assert.deepEqual((await standing(page)).fields, own.fields)
 })
 
-pageTest('a broken or hostile link is told and changes nothing', async ({ page, origin }) => {
+longTest('a broken or hostile link is told and changes nothing', async ({ page, origin }) => {
   await page.fill('#field-rapid-feed_mm_min', '11111')
   const own = await standing(page)
   const kept = await page.evaluate(() => ({ ...localStorage }))
@@ -149,7 +149,7 @@ pageTest('a file does the same as a link, by keys alone', async ({ page }) => {
   assert.equal(await page.inputValue('#field-rapid-feed_mm_min'), '23456')
 })
 
-pageTest('settings that are dropped are taken as settings, whatever the file is called', async ({ page }) => {
+longTest('settings that are dropped are taken as settings, whatever the file is called', async ({ page }) => {
   await filled(page)
   const [download] = await Promise.all([page.waitForEvent('download'), page.click('.save-settings')])
   const text = readFileSync(await download.path())

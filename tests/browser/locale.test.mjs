@@ -5,9 +5,11 @@ import { readFileSync } from 'node:fs'
 import { join } from 'node:path'
 import { test } from 'node:test'
 import { openPage } from './harness.mjs'
-import { computed, frame, reaching, ROOT, shot } from './steps.mjs'
+import { computed, frame, leftForAll, longPlainTest, reaching, ROOT, shot } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
+/** Of the languages a push tests the one that differs most from how programs are written. */
+const PUSHED = 'de-DE'
 
 for (const [locale, time, constant] of [
   ['de-DE', /^\d+,\d s$/, '0,0255'],
@@ -16,7 +18,8 @@ for (const [locale, time, constant] of [
   // Digits of its own are not used: charts and inputs have those from 0 to 9.
   ['ar-EG', /^\d+\.\d s$/, '0.0255'],
 ]) {
-  test(`numbers in ${locale}`, { timeout: 300_000 }, async () => {
+  const name = `numbers in ${locale}`
+  test(name, { skip: locale !== PUSHED && leftForAll(name), timeout: 300_000 }, async () => {
     const opened = await openPage({ locale })
     const page = reaching(opened.page)
     try {
@@ -71,7 +74,8 @@ for (const [locale, unclear, plain] of [
   ['en-US', '12,500', '12.500'],
   ['de-DE', '12.500', '12,500'],
 ]) {
-  test(`thousands in ${locale}`, { timeout: 120_000 }, async () => {
+  const name = `thousands in ${locale}`
+  test(name, { skip: locale !== PUSHED && leftForAll(name), timeout: 120_000 }, async () => {
     const { page, close } = await openPage({ locale })
     reaching(page)
     try {
@@ -97,7 +101,7 @@ const READ = 'main *:not(code, textarea, option, .listing *, #diagnostics *, #cu
 /** A number with a point that sets no three digits apart. */
 const POINTED = /(?<![\w./]|Sect\. )\d+\.(\d{1,2}|\d{4,})(?![\w]|\.\w)/
 
-test('where a comma is the decimal sign no number on page, pictures and reports has a point, and files for machines have', { timeout: 240_000 }, async () => {
+longPlainTest('where a comma is the decimal sign no number on page, pictures and reports has a point, and files for machines have', { timeout: 240_000 }, async () => {
   const opened = await openPage({ locale: 'de-DE' })
   const page = reaching(opened.page)
   const saved = async (button) => {

@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
-import { computed, machineOf, pageTest, reach, reaching } from './steps.mjs'
+import { computed, longTest, machineOf, pageTest, reach, reaching } from './steps.mjs'
 
 const options = (page, group) => page.$$eval(`#preset optgroup[label="${group}"] option`, (all) => all.map(({ textContent }) => textContent))
 const KEPT = 'Kept in this browser'
@@ -94,7 +94,7 @@ pageTest('a machine file among dropped programs is the machine', async ({ page }
   assert.equal(await page.locator('#program [role="tab"]').count(), 1)
 })
 
-pageTest('machines that two tabs keep stay, and what one removes goes', async ({ page }) => {
+longTest('machines that two tabs keep stay, and what one removes goes', async ({ page }) => {
   const other = reaching(await page.context().newPage())
   await other.goto(page.url())
   await other.waitForSelector('html[data-ready]')
@@ -149,7 +149,7 @@ pageTest('the editor has every parameter with meaning, bounds and neutral value;
   assert.equal(await page.evaluate(() => document.activeElement?.id), 'field-axis-y-backlash_mm')
 })
 
-pageTest('what the browser keeps may be anything', async ({ page }) => {
+longTest('what the browser keeps may be anything', async ({ page }) => {
   for (const text of ['{', 'null', '{"a":1}', '[1, null, {"name": 3}, {"name": "odd", "nothing": [1]}]']) {
     await page.evaluate((kept) => localStorage.setItem('truefeed.machines.1', kept), text)
     await reloaded(page)

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict'
 import { existsSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { basename, dirname, join } from 'node:path'
-import { assertAsPredicted, atEverySize, computed, cycleTimes, drop, frame, pageTest, pixelsOfCurves, predicted, ROOT, shot, span, TOLERANCES_MM, workersEnded } from './steps.mjs'
+import { assertAsPredicted, atEverySize, computed, cycleTimes, drop, frame, longTest, pageTest, pixelsOfCurves, predicted, ROOT, shot, span, TOLERANCES_MM, workersEnded } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 const REAL = [join(ROOT, '../shared/gcode/fanuc_haas/easy_gcode_plo__PARALLEL.NC'), join(ROOT, '../shared/recordings/nist-hurco/programs/box-op3.nc')]
@@ -59,7 +59,7 @@ for (const program of REAL) {
     { skip },
   )
 
-  pageTest(
+  longTest(
     `${basename(program)} dropped on the page`,
     async ({ page }) => {
       await drop(page, 'header', [program])
@@ -219,7 +219,7 @@ pageTest('cancelling ends the work and keeps what there was; the next run works'
   assert.ok(before[2] < times[2] && times[2] < before[1])
 })
 
-pageTest('results stay in sight, marked as out of date, while others are computed', async ({ page }) => {
+longTest('results stay in sight, marked as out of date, while others are computed', async ({ page }) => {
   await page.setInputFiles('#files', longProgram(100_000))
   await computed(page)
   const before = await cycleTimes(page)
@@ -319,7 +319,7 @@ pageTest('the chart zooms, moves and reads by mouse and keys', async ({ page }) 
   assert.deepEqual(await span(page), whole)
 })
 
-pageTest('the read-out tells the contour error that the table calls the largest', async ({ page }) => {
+longTest('the read-out tells the contour error that the table calls the largest', async ({ page }) => {
   // One corner of 90°, far from both ends: each curve takes its whole tolerance there.
   const program = Buffer.from('G21 G90\nG1 X100 F3000\nG1 Y100\n')
   await page.setInputFiles('#files', { name: 'corner.nc', mimeType: 'text/plain', buffer: program })
@@ -367,7 +367,7 @@ pageTest('places above the tolerance are named, shown in the chart and held by t
   await shot(page, 'guaranteed')
 })
 
-pageTest('the bar moves within one tolerance in the guaranteed mode', async ({ page }) => {
+longTest('the bar moves within one tolerance in the guaranteed mode', async ({ page }) => {
   await page.selectOption('#field-interpolator-corner_mode', 'guaranteed')
   await page.evaluate(() => {
     const bar = document.querySelector('#progress progress')
@@ -500,7 +500,7 @@ pageTest('the machine form refuses at the field, recomputes, prices, is kept and
   assert.equal(await page.inputValue(field('interpolator.time_constant_s')), '0.0255')
 })
 
-pageTest('what is no program is said to be none, and quotes nothing; files of one name are told apart', async ({ page }) => {
+longTest('what is no program is said to be none, and quotes nothing; files of one name are told apart', async ({ page }) => {
   const give = (name, bytes) => page.setInputFiles('#files', { name, mimeType: '', buffer: Buffer.from(bytes) })
   const says = (text) => page.waitForFunction((text) => document.querySelector('#results').textContent.includes(text), text)
   const standing = (index) => page.locator('.programs .about').nth(index).textContent()

@@ -73,7 +73,7 @@ function litShades(found, shades) {
 const RAPID = '200 206 213'
 const selectedLine = (page) => page.locator('#path [aria-selected="true"]').evaluate((line) => Number(line.dataset.line))
 
-pageTest('a click in the chart selects the line before the text was ever in sight', async ({ page }) => {
+longTest('a click in the chart selects the line before the text was ever in sight', async ({ page }) => {
   await page.click('#welcome .sample')
   await computed(page)
   await frame(page)
@@ -115,11 +115,11 @@ for (const [width, height] of [
       assert.match(await page.textContent('#path .legend'), /0\.00 %.*100\.0 %/)
       await page.locator('#path').screenshot({ path: join(ROOT, `tests/browser/output/path-${width}-turned.png`) })
     },
-    { viewport: { width, height } },
+    { viewport: { width, height }, isLong: width !== 1280 },
   )
 }
 
-pageTest('the costliest places are those of the command line, and add up', async ({ page }) => {
+longTest('the costliest places are those of the command line, and add up', async ({ page }) => {
   await opened(page)
   const { runs } = await predicted(page, SAMPLE)
   for (const [index, { lost }] of runs.entries()) {
@@ -155,7 +155,7 @@ pageTest('a place leads to its spot, its line and its stretch of the charts', as
   await page.locator('#path').screenshot({ path: join(ROOT, 'tests/browser/output/path-place.png') })
 })
 
-pageTest('a click selects a line even if the text is redrawn between press and release', async ({ page }) => {
+longTest('a click selects a line even if the text is redrawn between press and release', async ({ page }) => {
   await opened(page)
   await page.locator('#path .listing').scrollIntoViewIfNeeded()
   const { x, y } = await page.locator('#path [data-line="3"]').boundingBox()
@@ -254,7 +254,7 @@ pageTest('the view turns, moves and zooms by pointer and keys, and comes back', 
   assert.notDeepEqual(await center(page), first)
 })
 
-pageTest('with a recording the path shows where time was lost', async ({ page }) => {
+longTest('with a recording the path shows where time was lost', async ({ page }) => {
   await page.click('#welcome .sample')
   await computed(page)
   const choices = () => page.$$eval('#path .by option', (all) => all.map(({ value }) => value))

@@ -5,7 +5,7 @@ import { writeFileSync, mkdtempSync, rmSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
-import { atEverySize, computed, cycleTimes, frame, pageTest, pixelsOfCurves, predicted, shot, span } from './steps.mjs'
+import { atEverySize, computed, cycleTimes, frame, longTest, pageTest, pixelsOfCurves, predicted, shot, span } from './steps.mjs'
 
 const folder = mkdtempSync(join(tmpdir(), 'truefeed-modes-'))
 after(() => rmSync(folder, { recursive: true }))
@@ -98,7 +98,7 @@ pageTest('where the time goes has a column for the program’s own tolerances, a
   assert.equal((await cutting())[0], first)
 })
 
-pageTest('the column is taken away, comes back, and is remembered', async ({ page }) => {
+longTest('the column is taken away, comes back, and is remembered', async ({ page }) => {
   await page.setInputFiles('#files', [program('own.nc', ROUGH_AND_FINE), program('without.nc', WITHOUT)])
   await page.waitForFunction(() => document.querySelectorAll('.choose').length === 2)
   await computed(page)

@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
-import { atEverySize, computed, pageTest, shot } from './steps.mjs'
+import { atEverySize, computed, longTest, pageTest, shot } from './steps.mjs'
 
 const term = (key) => `#term-${key.replaceAll('.', '-')}`
 
@@ -81,7 +81,7 @@ pageTest('every amount is in sight and they add up to the total', async ({ page 
   assert.equal(await page.inputValue(term('quantity')), '25')
 })
 
-pageTest('an edit of the machine takes its error away, and the quote says so', async ({ page }) => {
+longTest('an edit of the machine takes its error away, and the quote says so', async ({ page }) => {
   await quoted(page)
   await page.fill('#field-interpolator-time_constant_s', '0.03')
   await computed(page)
@@ -95,7 +95,7 @@ pageTest('an edit of the machine takes its error away, and the quote says so', a
   assert.match(await page.textContent('#quote .sure'), /±7\.9 %/)
 })
 
-pageTest('an uncertainty is claimed at the tolerances it was measured at, and nowhere else', async ({ page }) => {
+longTest('an uncertainty is claimed at the tolerances it was measured at, and nowhere else', async ({ page }) => {
   await quoted(page)
   assert.match(await page.textContent('#quote .sure'), /±7\.9 %/)
   await page.check('#tolerances input[value="20 µm"]')
@@ -164,7 +164,7 @@ pageTest('every document of a quote says the same facts', async ({ page }) => {
   await html.close()
 })
 
-pageTest('the quote leaves as CSV, JSON and HTML that stands alone', async ({ page, origin }) => {
+longTest('the quote leaves as CSV, JSON and HTML that stands alone', async ({ page, origin }) => {
   await quoted(page)
   const csv = await downloaded(page, '#quote .csv')
   assert.match(csv.name, /^quote-.*\.csv$/)
@@ -231,7 +231,7 @@ pageTest('every chart leaves as SVG and PNG', async ({ page }) => {
   assert.ok(5000 < (await downloaded(page, '#path .picture >> nth=1')).bytes.length)
 })
 
-pageTest('the quote fits every width in both themes, and every control has a name', async ({ page }) => {
+longTest('the quote fits every width in both themes, and every control has a name', async ({ page }) => {
   await quoted(page)
   const nameless = await page.$$eval('#quote, #settings, #machine', (sections) =>
     sections.flatMap((section) =>

@@ -114,7 +114,7 @@ pageTest('program and recording dropped together are compared', async ({ page })
   await atEverySize(page, 'recording')
 })
 
-pageTest('all charts have one cursor and one stretch in sight', async ({ page }) => {
+longTest('all charts have one cursor and one stretch in sight', async ({ page }) => {
   const { path } = await recorded(page, 'run.csv')
   await drop(page, 'body', [PROGRAM, path])
   await compared(page)
@@ -159,7 +159,7 @@ pageTest('all charts have one cursor and one stretch in sight', async ({ page })
   assert.ok(!near(whole, await spanOf(page, '#chart')))
 })
 
-pageTest('what is no recording of the program is refused with what to do, and nothing else is lost', async ({ page }) => {
+longTest('what is no recording of the program is refused with what to do, and nothing else is lost', async ({ page }) => {
   const { path } = await recorded(page, 'of-other.csv', OTHER)
   await drop(page, 'body', [PROGRAM, path])
   await compared(page)
@@ -186,7 +186,7 @@ pageTest('what is no recording of the program is refused with what to do, and no
   assert.equal(await page.locator('.pairs li').count(), 2)
 })
 
-pageTest('a recording before its program waits for it', async ({ page }) => {
+longTest('a recording before its program waits for it', async ({ page }) => {
   const { path } = await recorded(page, 'early.csv')
   await drop(page, 'body', [path])
   await page.waitForFunction(() => document.querySelector('#welcome .orphans').textContent !== '')
@@ -326,7 +326,7 @@ longTest('a recording finds its program by what it holds, whatever its name says
   assert.equal(await of('other-5.csv'), 'bracket.nc')
 })
 
-pageTest('between programs that a recording cannot tell apart its name decides, or the user', async ({ page }) => {
+longTest('between programs that a recording cannot tell apart its name decides, or the user', async ({ page }) => {
   const { path } = await recorded(page, 'twin-b-1.csv')
   const [first, second] = ['twin-a.nc', 'twin-b.nc'].map((name) => file(name, readFileSync(PROGRAM, 'utf8')))
   const unnamed = file('log.csv', readFileSync(path, 'utf8'))
@@ -337,7 +337,7 @@ pageTest('between programs that a recording cannot tell apart its name decides, 
   assert.match(await page.textContent('#recording .pairs li:has-text("log.csv") .about'), /any of these: twin-a\.nc, twin-b\.nc\. Choose one/)
 })
 
-pageTest('a calibration can be cancelled, and leaves the machine as it was', async ({ page }) => {
+longTest('a calibration can be cancelled, and leaves the machine as it was', async ({ page }) => {
   const field = '#field-interpolator-time_constant_s'
   const before = await page.inputValue(field)
   const { path } = await recorded(page, 'bracket-09.csv')

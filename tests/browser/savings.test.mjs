@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict'
 import { join } from 'node:path'
-import { ROOT, atEverySize, computed, cycleTimes, drop, pageTest } from './steps.mjs'
+import { ROOT, atEverySize, computed, cycleTimes, drop, longTest, pageTest } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 const PROGRAMS = ['10', '20', '30'].map((number) => join(ROOT, `www/samples/bracket-${number}.nc`))
@@ -52,7 +52,7 @@ pageTest('a change saves what the panel says when it is tried, and is taken back
   assert.ok(await page.isHidden('#savings .tried'))
 })
 
-pageTest('in a job each operation has changes of its own, and trying one leaves the others alone', async ({ page }) => {
+longTest('in a job each operation has changes of its own, and trying one leaves the others alone', async ({ page }) => {
   await drop(page, 'main', PROGRAMS)
   await computed(page)
   await page.waitForFunction(() => /\d:\d\d/.test(document.querySelector('#program .total')?.textContent ?? ''))

@@ -43,7 +43,7 @@ function counted(page) {
 
 const priced = (page) => page.waitForFunction(() => /€\d/.test(document.querySelector('#quote .headline')?.textContent ?? ''))
 
-pageTest('from dropped programs to the price of 25 parts are at most six gestures', async ({ page }) => {
+longTest('from dropped programs to the price of 25 parts are at most six gestures', async ({ page }) => {
   await drop(page, 'main', [SAMPLE, STANDIN])
   await computed(page)
   const { done, click, type } = counted(page)
@@ -98,7 +98,7 @@ const figures = (page) =>
     return found
   })
 
-pageTest('no time and no amount is in sight twice', async ({ page }) => {
+longTest('no time and no amount is in sight twice', async ({ page }) => {
   await drop(page, 'main', [existsSync(REAL) ? REAL : SAMPLE])
   await computed(page)
   await page.fill('#term-rates-hourly', '85')
@@ -155,7 +155,7 @@ pageTest('titles of operations, what is in doubt and the machine are not cut off
   assert.ok(40 <= width, `the machine has ${width} px of a phone`)
 })
 
-pageTest('the whole in small takes the colours of the theme', async ({ page }) => {
+longTest('the whole in small takes the colours of the theme', async ({ page }) => {
   await page.emulateMedia({ colorScheme: 'light' })
   await drop(page, 'main', [SAMPLE])
   await computed(page)
@@ -172,7 +172,7 @@ pageTest('the whole in small takes the colours of the theme', async ({ page }) =
   assert.ok((await lightness()) < 0.5 * light, `${await lightness()} in the dark, ${light} in the light`)
 })
 
-pageTest('charts have the ground of the card that they stand on, in both themes', async ({ page }) => {
+longTest('charts have the ground of the card that they stand on, in both themes', async ({ page }) => {
   await drop(page, 'main', [SAMPLE])
   await computed(page)
   for (const colorScheme of ['light', 'dark']) {

@@ -8,7 +8,7 @@ import { join } from 'node:path'
 import { after, test } from 'node:test'
 import { serve } from '../../scripts/serve.mjs'
 import { leaving, openPage } from './harness.mjs'
-import { computed, cycleTimes, pageTest, ROOT, shot, leftForAll } from './steps.mjs'
+import { computed, cycleTimes, longPlainTest, pageTest, ROOT, shot } from './steps.mjs'
 
 const scratch = mkdtempSync(join(tmpdir(), 'truefeed-security-'))
 after(() => rmSync(scratch, { recursive: true }))
@@ -212,7 +212,7 @@ test('after one visit the page loads and quotes without a network', { timeout: 1
   }
 })
 
-test('a new version is taken when the page is loaded again', { skip: leftForAll('a new version is taken when the page is loaded again'), timeout: 240_000 }, async () => {
+longPlainTest('a new version is taken when the page is loaded again', { timeout: 240_000 }, async () => {
   const folder = join(scratch, 'www')
   cpSync(join(ROOT, 'www'), folder, { recursive: true })
   const server = await serve(0, [folder])
@@ -250,7 +250,7 @@ test('a new version is taken when the page is loaded again', { skip: leftForAll(
   }
 })
 
-test('the page can be installed', { timeout: 120_000 }, async () => {
+longPlainTest('the page can be installed', { timeout: 120_000 }, async () => {
   const { page, close } = await openPage()
   try {
     await kept(page)

@@ -57,7 +57,7 @@ const watch = (page) =>
     new MutationObserver(note).observe(root, { attributes: true, childList: true, subtree: true })
   })
 
-pageTest('two workers say what one does, the bar never goes back, and the second one ends', async ({ page }) => {
+longTest('two workers say what one does, the bar never goes back, and the second one ends', async ({ page }) => {
   await count(page)
   await cores(page, 1)
   const times = await timesOf(page)
@@ -157,7 +157,7 @@ longTest('a further worker that dies loses nothing', async ({ page }) => {
   assert.deepEqual(await page.evaluate(() => window.further), { started: 1, ended: 1 })
 })
 
-pageTest('a short program starts no second worker', async ({ page }) => {
+longTest('a short program starts no second worker', async ({ page }) => {
   await count(page)
   await cores(page, 8)
   await page.setInputFiles('#files', program(2000))

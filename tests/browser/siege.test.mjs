@@ -35,7 +35,7 @@ async function mortal(page, deaths) {
   await page.waitForSelector('html[data-ready]')
 }
 
-pageTest('a worker that dies is restarted, and the page computes what it was asked for', async ({ page }) => {
+longTest('a worker that dies is restarted, and the page computes what it was asked for', async ({ page }) => {
   const program = longProgram('part.nc', 2000)
   await page.setInputFiles('#files', program)
   await computed(page)
@@ -66,7 +66,7 @@ pageTest('what kills worker after worker is said, and nothing of the user’s is
   assert.ok(2 < (await page.evaluate(() => window.started)))
 })
 
-pageTest('a page reloaded in mid-work goes on where it was', async ({ page }) => {
+longTest('a page reloaded in mid-work goes on where it was', async ({ page }) => {
   await page.fill(field('times.tool_change_s'), '7')
   await page.setInputFiles('#files', [longProgram('one.nc', 1000), longProgram('two.nc', 120_000)])
   await page.waitForSelector('#progress', { state: 'visible' })
@@ -106,7 +106,7 @@ pageTest('another tab begins with nothing of this one', async ({ page, origin })
   assert.deepEqual(await names(other), [])
 })
 
-pageTest('a duplicated tab goes on with a copy, and neither changes what the other has', async ({ page }) => {
+longTest('a duplicated tab goes on with a copy, and neither changes what the other has', async ({ page }) => {
   await page.setInputFiles('#files', [longProgram('a.nc', 50)])
   await computed(page)
   await kept(page, ({ programs }) => programs.length === 1)

@@ -11,7 +11,7 @@ const STANDIN = join(ROOT, 'www/samples/standin.nc')
 const undo = (page) => page.keyboard.press('Control+z')
 const names = (page) => page.$$eval('.choose .file', (all) => all.map(({ textContent }) => textContent))
 
-pageTest('a removal that was taken back is not taken back again by its own line', async ({ page }) => {
+longTest('a removal that was taken back is not taken back again by its own line', async ({ page }) => {
   await page.setInputFiles('#files', [SAMPLE, STANDIN])
   await computed(page)
   const before = await names(page)

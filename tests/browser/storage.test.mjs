@@ -2,7 +2,7 @@
 // computes; and where the browser keeps nothing, it does as well.
 
 import assert from 'node:assert/strict'
-import { computed, longTest, pageTest } from './steps.mjs'
+import { computed, longTest } from './steps.mjs'
 
 const PROGRAM = { name: 'part.nc', mimeType: 'text/plain', buffer: Buffer.from('G21 G90 G94\nG1 X10 F600\nY10\nX0\nM30\n') }
 
@@ -57,7 +57,7 @@ longTest('whatever stands in the storage, the page starts and computes', async (
   await computed(page)
 })
 
-pageTest('a tab whose files cannot be read begins empty', async ({ page }) => {
+longTest('a tab whose files cannot be read begins empty', async ({ page }) => {
   await page.setInputFiles('#files', PROGRAM)
   await computed(page)
   const records = [
@@ -97,7 +97,7 @@ pageTest('a tab whose files cannot be read begins empty', async ({ page }) => {
   }
 })
 
-pageTest('a browser without room, or that keeps nothing at all, still computes', async ({ page, origin }) => {
+longTest('a browser without room, or that keeps nothing at all, still computes', async ({ page, origin }) => {
   const devtools = await page.context().newCDPSession(page)
   await devtools.send('Storage.overrideQuotaForOrigin', { origin, quotaSize: 0 })
   const full = { ...PROGRAM, buffer: Buffer.concat([PROGRAM.buffer, Buffer.from(`(${'x'.repeat(80)})\n`.repeat(50_000))]) }

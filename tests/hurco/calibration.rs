@@ -38,6 +38,7 @@ fn error(comparison: &Comparison) -> (f64, f64, f64) {
 }
 
 #[test]
+#[ignore = "full suite: calibrates on four runs of two mills; a_short_program_predicts_another_one_of_its_machine does on one"]
 fn runs_of_two_mills_predict_other_programs_of_theirs() {
     let Some(folder) = recordings_of_others(HURCO) else { return };
     let machine = machine_from_toml(MACHINE).expect("a machine file");
