@@ -261,7 +261,7 @@ fn printed_adds_up(account: &Value) {
     );
 }
 
-/// What the command says of recordings of LinuxCNC.
+/// Returns the output of `diagnose` for recordings of LinuxCNC.
 fn said(more: &[&str]) -> String {
     let work = tempfile::tempdir().expect("a folder");
     let file = work.path().join("machine.toml");

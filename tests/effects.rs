@@ -1,14 +1,15 @@
 //! The table of effects: ids, sentences, and hypotheses that programs excite.
 
 use truefeed::identification::alignment::align;
-use truefeed::identification::diagnosis::diagnose;
+use truefeed::identification::diagnosis::{Diagnosis, diagnose};
 use truefeed::identification::effects::{ALL, Finding, library, with_id};
 use truefeed::identification::fit::Run;
 use truefeed::identification::recording::read;
 use truefeed::machine::Machine;
 use truefeed::project::profile_csv;
 use truefeed::simulation::interpreter::trace;
-use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::profile::{Profile, Resolution, Samples};
+use truefeed::simulation::toolpath::Toolpath;
 use truefeed::simulation::{gcode, simulate};
 
 #[test]
@@ -57,6 +58,19 @@ fn a_program_that_has_everything_is_offered_everything() {
     }
 }
 
+/// Diagnoses a recording of these samples of a run of the program.
+fn diagnosed(toolpath: &Toolpath, believed: &Machine, samples: &Samples) -> Diagnosis {
+    let log = read(profile_csv(samples).as_bytes()).expect("a log");
+    let alignment = align(&log.recordings[0], toolpath, believed).expect("it is of this program");
+    diagnose(believed, &[Run { toolpath, alignment: &alignment, overrides: (None, None) }], &mut |_| {})
+}
+
+/// The ids and variants of the causes named.
+fn names(diagnosis: &Diagnosis) -> Vec<(&str, &str)> {
+    let hypotheses = diagnosis.causes.iter().map(|cause| &cause.candidate.hypothesis);
+    hypotheses.map(|hypothesis| (hypothesis.effect.id, hypothesis.variant.as_str())).collect()
+}
+
 /// A meander in which the spindle changes its speed in blocks of motion.
 fn with_speeds() -> String {
     let rows = (0..12).map(|row| {
@@ -77,10 +91,7 @@ fn a_wait_at_s_words_is_found_and_predicts_the_run() {
     assert_eq!(toolpath.speed_changes().count(), 4);
     let plan = simulate(&toolpath, &truth);
     let samples = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
-    let log = read(profile_csv(&samples).as_bytes()).expect("a log");
-    let alignment = align(&log.recordings[0], &toolpath, &believed).expect("it is of this program");
-    let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
-    let diagnosis = diagnose(&believed, &runs, &mut |_| {});
+    let diagnosis = diagnosed(&toolpath, &believed, &samples);
     let ids: Vec<&str> = diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.effect.id).collect();
     assert_eq!(ids, ["spindle_wait"]);
     let seconds = diagnosis.causes[0].candidate.values[0];
@@ -107,14 +118,8 @@ fn a_wait_of_the_first_feed_move_for_the_spindle_is_found_where_it_is() {
     let plan = simulate(&toolpath, &truth);
     assert!((plan.cycle_time() - simulate(&toolpath, &believed).cycle_time() - 3.4).abs() < 0.1);
     let samples = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
-    let log = read(profile_csv(&samples).as_bytes()).expect("a log");
-    let alignment = align(&log.recordings[0], &toolpath, &believed).expect("it is of this program");
-    let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
-    let diagnosis = diagnose(&believed, &runs, &mut |_| {});
-    let found: Vec<_> = (diagnosis.causes.iter())
-        .map(|cause| (cause.candidate.hypothesis.effect.id, cause.candidate.hypothesis.variant.as_str()))
-        .collect();
-    assert_eq!(found, [("spindle_wait", "first feed moves")]);
+    let diagnosis = diagnosed(&toolpath, &believed, &samples);
+    assert_eq!(names(&diagnosis), [("spindle_wait", "first feed moves")]);
     assert!((diagnosis.causes[0].candidate.values[0] - 1.7).abs() < 0.02);
 }
 
@@ -146,13 +151,7 @@ fn a_velocity_limit_along_the_path_is_no_override() {
     let samples = Profile::new(&toolpath, &simulate(&toolpath, &truth)).samples(Resolution::FINE);
     let fastest = samples.feedrate.iter().copied().fold(0.0, f64::max);
     assert!((fastest - 40.0).abs() < 1e-9, "{fastest} mm/s");
-    let log = read(profile_csv(&samples).as_bytes()).expect("a log");
-    let alignment = align(&log.recordings[0], &toolpath, &believed).expect("it is of this program");
-    let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
-    let diagnosis = diagnose(&believed, &runs, &mut |_| {});
-    let found: Vec<_> = (diagnosis.causes.iter())
-        .map(|cause| (cause.candidate.hypothesis.effect.id, cause.candidate.hypothesis.variant.as_str()))
-        .collect();
-    assert_eq!(found, [("axis_velocity_limit", "XYZ")]);
+    let diagnosis = diagnosed(&toolpath, &believed, &samples);
+    assert_eq!(names(&diagnosis), [("axis_velocity_limit", "XYZ")]);
     assert!((diagnosis.machine.path.velocity - 40.0).abs() < 0.1, "{:?}", diagnosis.machine.path);
 }

@@ -41,9 +41,9 @@ const WIDE_BLEND_MM: f64 = 1.0;
 /// constant deceleration over the distance r, and speeds up along the other, it passes a corner of 90° at r/4 from both;
 /// on a circle, at 0.29 r.
 const BLEND_REACH_RATIO: f64 = 4.0;
-/// Least number of such samples.
+/// Least number of samples on lines, out of reach of all blends.
 const MIN_ON_LINES: usize = 20;
-/// Least part of such samples that lie on their line.
+/// Least part of these samples that lie on their line.
 const MIN_ON_LINES_RATIO: f64 = 0.95;
 /// Most marks per run.
 const MAX_MARKS: usize = 4000;
@@ -72,13 +72,9 @@ pub fn by_positions(
         toolpath,
         &AllowedDeviation::of(toolpath, Tolerances::One(WIDE_BLEND_MM), machine),
     );
-    let Ok(wide) = wide else {
-        return placed.map_err(|error| with_hint(error, recording, toolpath, tolerance));
-    };
-    let widest = largest_deviation(&wide, toolpath).max(WIDE_BLEND_MM);
-    match keeps_to_lines(&wide, toolpath, tolerance, BLEND_REACH_RATIO * widest) {
-        true => Ok(wide),
-        false => placed.map_err(|error| with_hint(error, recording, toolpath, tolerance)),
+    match wide.ok().filter(|wide| keeps_to_lines(wide, toolpath, tolerance)) {
+        Some(wide) => Ok(wide),
+        None => placed.map_err(|error| with_hint(error, recording, toolpath, tolerance)),
     }
 }
 
@@ -98,38 +94,28 @@ fn with_hint(
     }
 }
 
-/// Returns the largest distance of the tool from the path, mm.
-fn largest_deviation(alignment: &Alignment, toolpath: &Toolpath) -> f64 {
-    let Some(track) = &alignment.track else { return 0.0 };
-    let path = Path::new(toolpath, track.recorded);
-    alignment.fixes.iter().filter_map(|fix| deviation(track, &path, fix)).fold(0.0, f64::max)
-}
-
-/// Returns the distance of the tool from the path at a fix, mm, in the axes that were recorded.
-fn deviation(track: &Track, path: &Path, fix: &Fix) -> Option<f64> {
-    let (foot, _) = path.at(fix.distance)?;
-    let away = track.position[fix.sample?] - foot;
-    let recorded = (0..3).filter(|axis| track.recorded[*axis]);
-    Some(recorded.map(|axis| away[axis].powi(2)).sum::<f64>().sqrt())
-}
-
-/// Returns `true` if the tool followed long lines within a `tolerance` (mm), except within `reach` (mm) of their ends.
-fn keeps_to_lines(alignment: &Alignment, toolpath: &Toolpath, tolerance: f64, reach: f64) -> bool {
+/// Returns `true` if the tool followed long lines within a `tolerance` (mm), except where the widest of its blends would
+/// reach from their ends.
+fn keeps_to_lines(alignment: &Alignment, toolpath: &Toolpath, tolerance: f64) -> bool {
     let Some(track) = &alignment.track else { return false };
-    let scale = scale(track, tolerance);
     let path = Path::new(toolpath, track.recorded);
+    let deviation = |fix: &Fix| {
+        let (foot, _) = path.at(fix.distance)?;
+        Some((fix.distance, track.in_recorded_axes(track.position[fix.sample?] - foot).norm()))
+    };
+    let deviations: Vec<(f64, f64)> = alignment.fixes.iter().filter_map(deviation).collect();
+    let widest = deviations.iter().map(|(_, away)| *away).fold(WIDE_BLEND_MM, f64::max);
+    let scale = scale(track, tolerance);
     let distances = toolpath.distances();
-    let (mut kept, mut seen) = (0, 0);
-    for fix in &alignment.fixes {
-        let index = distances.partition_point(|at| *at <= fix.distance).saturating_sub(1);
-        let is_away = |from: f64| reach < (fix.distance - from).abs();
-        let is_inside =
-            index + 1 < distances.len() && is_away(distances[index]) && is_away(distances[index + 1]);
-        let Some(away) = deviation(track, &path, fix).filter(|_| is_inside) else { continue };
-        seen += 1;
-        kept += usize::from(away <= scale);
-    }
-    MIN_ON_LINES <= seen && MIN_ON_LINES_RATIO * seen as f64 <= kept as f64
+    let is_inside = |at: f64| {
+        let index = distances.partition_point(|end| *end <= at).saturating_sub(1);
+        let is_away = |end: f64| BLEND_REACH_RATIO * widest < (at - end).abs();
+        index + 1 < distances.len() && is_away(distances[index]) && is_away(distances[index + 1])
+    };
+    let inside: Vec<f64> =
+        deviations.iter().filter(|(at, _)| is_inside(*at)).map(|(_, away)| *away).collect();
+    let kept = inside.iter().filter(|away| **away <= scale).count();
+    MIN_ON_LINES <= inside.len() && MIN_ON_LINES_RATIO * inside.len() as f64 <= kept as f64
 }
 
 fn within(
@@ -236,8 +222,7 @@ impl PlacedTrack {
         let (mut normal, mut sum) = (Matrix3::zeros(), Vector::zeros());
         for fix in &self.matched.fixes {
             let Some(((foot, tangent), sample)) = path.at(fix.distance).zip(fix.sample) else { continue };
-            let away = self.track.position[sample] - foot;
-            let away = Vector::from_fn(|axis, _| if self.track.recorded[axis] { away[axis] } else { 0.0 });
+            let away = self.track.in_recorded_axes(self.track.position[sample] - foot);
             if away.norm() < 3.0 * scale {
                 let across = Matrix3::identity() - tangent * tangent.transpose();
                 normal += across;
@@ -366,8 +351,7 @@ impl CuttableCorner {
         let seen = |fix: Option<&Fix>| fix.and_then(|fix| fix.sample).map(|sample| track.position[sample]);
         let beside = seen(next.checked_sub(1).map(|last| &fixes[last])).zip(seen(fixes.get(next)));
         let passed = beside.map_or(self.tolerance, |(from, to)| {
-            let recorded = Vector::from_fn(|axis, _| f64::from(u8::from(track.recorded[axis])));
-            distance_from_chord((self.point - from).component_mul(&recorded), to - from)
+            distance_from_chord(track.in_recorded_axes(self.point - from), to - from)
         });
         let deviation = passed.min(self.tolerance);
         CutCorner { distance: self.distance, zone: 6.0 * deviation + 0.02, jump: self.turn * deviation }

@@ -171,9 +171,14 @@ impl Track {
         }
     }
 
+    /// Returns a vector without its components in axes that were not recorded.
+    pub fn in_recorded_axes(&self, vector: Vector) -> Vector {
+        Vector::from_fn(|axis, _| if self.recorded[axis] { vector[axis] } else { 0.0 })
+    }
+
     /// Returns the positions with `shift` (mm) subtracted, in the axes that were recorded.
     pub fn shifted(&self, shift: Vector) -> Track {
-        let shift = Vector::from_fn(|axis, _| if self.recorded[axis] { shift[axis] } else { 0.0 });
+        let shift = self.in_recorded_axes(shift);
         let position = self.position.iter().map(|position| position - shift).collect();
         Track { time: self.time.clone(), position, ..*self }
     }

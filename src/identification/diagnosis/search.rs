@@ -3,7 +3,7 @@
 //! The values of each hypothesis are searched over its trials, then by least squares together with all causes named
 //! before; the best hypotheses are compared at the noise that the best of them leaves. As long as no cause is named,
 //! pairs of them are fitted as well, since two causes may hide each other behind a third that alone is better than
-//! either; and stops at the ends of blocks are tried together with the wait for position that only such stops bring
+//! either, and both causes of the best pair are named if the second passes beside the first; and stops at the ends of blocks are tried together with the wait for position that only such stops bring
 //! about. Of the best hypotheses, by cost and price, the first that passes every acceptance test is the next cause:
 //!
 //! | acceptance test | what must hold |
@@ -11,7 +11,7 @@
 //! | likelihood | the cost falls by more than `MIN_COST_REDUCTION` + k ln n, n sections of the path, not samples |
 //! | held out | with the values that the others give a section is better, in most sections where it acts |
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
-//! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts |
+//! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts; a halt changes none |
 //! | chance | a wait at a word is longer or shorter than the cycles of a PLC make it from run to run |
 //! | size | it explains more than `SIZE` of the cycle time, `MIN_LOST_TIME_S` s, and `MAX_REMAINING_PART` of the time explained |
 //!
@@ -110,18 +110,23 @@ pub fn with_next(
     let (at, (found, others)) = refined.iter().enumerate().find_map(|(at, (candidate, others))| {
         Some((at, passed(base, &before, looked, &fine, (candidate, others), &refined[at + 1..])?))
     })?;
-    if let Some((second, first)) = partner.filter(|_| at == 0)
-        && let Some((second, first)) =
-            passed(base, std::slice::from_ref(&found.candidate), looked, &fine, (&second, &first), &[])
-    {
-        let first = first.into_iter().map(|candidate| AcceptedCause { candidate, ..found.clone() });
-        return Some(first.chain([second]).collect());
-    }
-    let refitted = named.iter().zip(others);
-    let mut all: Vec<AcceptedCause> =
-        refitted.map(|(named, candidate)| AcceptedCause { candidate, ..named.clone() }).collect();
-    all.push(found);
-    Some(all)
+    let second = partner.filter(|_| at == 0).and_then(|(second, first)| {
+        passed(base, std::slice::from_ref(&found.candidate), looked, &fine, (&second, &first), &[])
+    });
+    Some(match second {
+        Some((second, first)) => with_refitted(&[found], first, second),
+        None => with_refitted(named, others, found),
+    })
+}
+
+/// Returns the named causes with the values fitted again, followed by the cause found.
+fn with_refitted(
+    named: &[AcceptedCause],
+    refitted: Vec<Candidate>,
+    found: AcceptedCause,
+) -> Vec<AcceptedCause> {
+    let refitted = named.iter().zip(refitted);
+    refitted.map(|(named, candidate)| AcceptedCause { candidate, ..named.clone() }).chain([found]).collect()
 }
 
 /// Returns the hypotheses of time in the library that are not named yet, and those that the residual places.

@@ -18,8 +18,13 @@ const JERKS_MM_S3: [f64; 5] = [5e3, 1e4, 2e4, 4e4, 1e5];
 /// Time constants tried with each of these jerks, as ratios to that of the machine. The contour tolerance has the
 /// same ratio, so that corners stay as fast.
 const SHORTER_FILTERS: [f64; 2] = [1.0, 0.6];
-/// Rapid feedrates tried with each jerk limit of rapids, as ratios to that of the machine.
+/// Rapid feedrates tried with each jerk limit of rapids, as ratios to the rapid feedrate of the machine.
 const FASTER_RAPIDS: [f64; 2] = [1.0, 2.0];
+
+/// Axes of a limit of all of them, or along the path.
+pub const ALL_AXES: &str = "XYZ";
+/// Rarity of a velocity limit along the path: an operator sets one for every twenty changes of an override (2 ln 20).
+const PATH_VELOCITY_RARITY: f64 = 6.0;
 
 /// Returns the axes that the programs move.
 fn moved(context: &Context) -> impl Iterator<Item = usize> {
@@ -50,7 +55,7 @@ fn planner(effect: Effect, by_axis: bool) -> Hypothesis {
     let variant =
         if by_axis { "planner of trapezoids" } else { "planner of trapezoids, rapid along the path" };
     let report =
-        |value| vec![AXIS.word("XYZ"), ACCELERATION.number(value), PLANNER.word("acceleration_blend")];
+        |value| vec![AXIS.word(ALL_AXES), ACCELERATION.number(value), PLANNER.word("acceleration_blend")];
     Hypothesis::single(effect, freed, ratios(50.0, 2e4, 14), report).variant(variant)
 }
 
@@ -77,11 +82,6 @@ fn accelerations(effect: Effect, parameter: Adjustable, axis: Option<char>) -> V
     vec![of(false), of(true)]
 }
 
-/// Axes of a limit of the velocity along the path, whatever the direction.
-pub const ALONG_PATH: &str = "XYZ";
-/// Rarity of a limit along the path, which an operator sets: one for every twenty changes of an override (2 ln 20).
-const OF_PATH_LIMITS: f64 = 6.0;
-
 /// Returns the hypotheses of a velocity limit of each axis that moves, and of one along the path.
 pub fn axis_velocities(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let of = |parameter: Adjustable, fastest: f64, axes: &str| {
@@ -93,8 +93,8 @@ pub fn axis_velocities(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let of_axis = |axis: usize| {
         of(parameters::AXIS_VELOCITY[axis], context.axis_feedrate[axis], &AXES[axis].to_string())
     };
-    let along_path = of(parameters::PATH_VELOCITY, context.feedrate, ALONG_PATH);
-    moved(context).map(of_axis).chain([along_path.with_rarity(OF_PATH_LIMITS)]).collect()
+    let along_path = of(parameters::PATH_VELOCITY, context.feedrate, ALL_AXES);
+    moved(context).map(of_axis).chain([along_path.with_rarity(PATH_VELOCITY_RARITY)]).collect()
 }
 
 pub fn centripetal_acceleration(effect: Effect, context: &Context) -> Vec<Hypothesis> {

@@ -86,7 +86,7 @@ effects! {
         id: "axis_velocity_limit", nature: Nature::Limit, offered: limits::axis_velocities,
         vendors: "MAX_AX_VELO (Siemens), No. 1422 (Fanuc), MP1010 or F LIMIT (Heidenhain), $110–$112 (grbl), maximum velocity (LinuxCNC)",
         sentence: |f| match f.word(of::AXIS) {
-            limits::ALONG_PATH => format!(
+            limits::ALL_AXES => format!(
                 "The machine moves at {} mm/min along the path at most, in feed and rapid{}.", f.number(of::VELOCITY), f.costs()
             ),
             axis => format!("Axis {axis} moves at {} mm/min at most{}.", f.number(of::VELOCITY), f.costs()),

@@ -144,9 +144,9 @@ fn direction(vector: Vector) -> Vector {
 /// leaves at the largest feedrate that the axes allow.
 pub fn acceleration(segment: &Segment, own: f64, machine: &Machine) -> f64 {
     let Curve::Arc(arc) = &segment.curve else { return own };
-    let curvature = arc.mean_radius() * (arc.sweep / segment.length).powi(2);
     let fastest = limits::axis_feedrate(segment, machine);
-    let normal = (fastest * fastest * curvature / own).min(limits::NORMAL_ACCELERATION_SHARE);
+    let normal = (fastest * fastest * limits::curvature(arc, segment.length) / own)
+        .min(limits::NORMAL_ACCELERATION_SHARE);
     own * (1.0 - normal * normal).sqrt()
 }
 

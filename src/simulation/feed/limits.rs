@@ -60,7 +60,10 @@ fn clamped_before_override(feedrate: f64, by_axes: f64, segment: &Segment, machi
     if !machine.interpolator.junction.blends_in_time() {
         return feedrate;
     }
-    let on_arc = blended_arc_feedrate(segment, blended_acceleration(segment, machine), machine);
+    let on_arc = match &segment.curve {
+        Curve::Line => f64::INFINITY,
+        Curve::Arc(_) => blended_arc_feedrate(segment, blended_acceleration(segment, machine), machine),
+    };
     feedrate.min(by_axes).min(on_arc)
 }
 
@@ -204,7 +207,7 @@ pub fn stopping_feedrate(visible: f64, half_delay: f64, acceleration: f64) -> f6
 const MIN_PLANE_COMPONENT: f64 = 1e-6;
 
 /// Returns the curvature of a helix, 1/mm.
-fn curvature(arc: &Arc, length: f64) -> f64 {
+pub fn curvature(arc: &Arc, length: f64) -> f64 {
     arc.mean_radius() * (arc.sweep / length).powi(2)
 }
 
