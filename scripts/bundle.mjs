@@ -1,4 +1,4 @@
-// Makes of www/ what is delivered:  node scripts/bundle.mjs [OUT]. Needs: scripts/build. A quick build is bundled only with OUT, for tests.
+// Bundles www/ for delivery:  node scripts/bundle.mjs [OUT]. Needs: scripts/build. It bundles a quick build only into OUT, for tests.
 //
 // The same page in fewer and smaller files, at the same addresses: scripts and styles without comments, modules that are loaded
 // together in one file, and beside each text its form with brotli. Development and tests need none of it: www/ works as it is.

@@ -26,8 +26,8 @@ async function rested(page) {
 }
 
 /**
- * What is drawn: its colours, the middle of its pixels, and the pixel that comes after a third of them, in CSS pixels from the corner
- * of the canvas. The page itself looks at them, as there are more than a million.
+ * Returns the colours of the drawing, the centre of its pixels, and the pixel at a third of their list, in CSS pixels from the corner
+ * of the canvas. The page computes them, because a list of more than a million pixels takes long to reach the test.
  */
 const drawn = (page) =>
   page.$eval('#path canvas', (canvas) => {

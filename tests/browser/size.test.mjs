@@ -1,5 +1,5 @@
-// What is delivered does what www/ does. What it takes over the wire, with brotli, the full suite checks, which builds what is
-// delivered: until the first chart of a first visit is there, and all that is ever loaded.
+// The delivered page computes what www/ computes. The full suite also checks how many bytes it sends with brotli: up to the first
+// chart of a first visit, and in all.
 
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
@@ -30,7 +30,7 @@ async function weighed(request) {
 
 const kB = (/** @type {number} */ bytes) => `${Math.ceil(bytes / 1000)} kB`
 
-/** A first visit of what is delivered, up to its end: what it received, and when a chart was there. */
+/** Visits the delivered page for the first time. Returns what the browser received, and when it had drawn a chart. */
 async function visited() {
   const { page, origin, errors, close } = await openPage({ path: '/icon.svg', folder: delivered })
   try {
@@ -73,12 +73,12 @@ let visit
 /** The one visit that all tests look at. */
 const firstVisit = () => (visit ??= visited())
 
-/** A quick build is larger than what is delivered. */
+/** Fails on a quick build, which is larger than the delivered one. */
 const assertDelivered = () => assert.ok(!existsSync(join(ROOT, 'www/pkg/quick-build')), 'www/pkg is a quick build; run scripts/build')
 
 const sumOf = (/** @type {{ bytes: number }[]} */ all) => all.reduce((sum, { bytes }) => sum + bytes, 0)
 
-test('what is delivered computes the sample, and its whole module comes when the first chart is there', { timeout: 180_000 }, async () => {
+test('the delivered page computes the sample, and loads its whole module after the first chart', { timeout: 180_000 }, async () => {
   const { at, first, later, times, errors } = await firstVisit()
   assert.ok(at, 'no chart is drawn')
   assert.equal(times.length, 3)

@@ -54,7 +54,7 @@ export function skipped(reason) {
   return reason
 }
 
-/** Whether the full suite alone runs what takes long, by the variable that `scripts/test --all` sets; notes on a line, which `scripts/test` counts, what is left for it. @param {string} name */
+/** Returns why a test of the full suite is skipped, or false where `scripts/test --all` runs. Prints a line that `scripts/test` counts. @param {string} name */
 export function leftForAll(name) {
   if (process.env.TRUEFEED_ALL) return false
   console.log(`left for --all: ${name}`)
@@ -268,11 +268,11 @@ const SIZES = [
   [1920, 1080],
 ]
 const VIEWS = SIZES.flatMap(([width, height]) => ['light', 'dark'].map((colorScheme) => ({ width, height, colorScheme })))
-/** A push looks at the phone in the light, where room is scarcest, and at the laptop in the dark. */
+/** The full suite looks at all views, a push at the phone in the light theme, which has least room, and the laptop in the dark one. */
 const LOOKED_AT = process.env.TRUEFEED_ALL ? VIEWS : [VIEWS[0], VIEWS[3]]
 
 /**
- * Looks at what is open at each size in both themes, in the full suite: nothing may scroll sideways. The page is left as it was found.
+ * Looks at the open page in every view of the suite: at no width may it scroll sideways. Restores size and theme at the end.
  * @param {string} name  of the pictures
  * @param {(name: string) => Promise<void>} [look]  what else is to be looked at
  */

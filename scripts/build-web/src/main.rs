@@ -11,8 +11,8 @@
 //! previous one, and no file of the previous one stays. In the end the list of the page's files is
 //! written, from which it works without a network ([`files`]).
 //!
-//! With `--quick` the modules are left as the compiler makes them, since `wasm-opt` takes minutes. Such a package computes the
-//! same and is larger: it is for tests, and has the file [`QUICK`], by which the scripts that publish refuse it.
+//! With `--quick` the build skips `wasm-opt`, which takes minutes. The modules compute the same results but are larger, so this
+//! package is for tests only. It contains the file [`QUICK`], and the scripts that publish a package refuse one with this file.
 
 mod files;
 mod notices;

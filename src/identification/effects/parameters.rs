@@ -181,7 +181,7 @@ parameters! {
     FILTERS = difference("interpolator.filters", Values(1.0, 4.0)).guessed(&[1.0, 2.0, 3.0, 4.0]);
     /// Time constant of the filters, s.
     TIME_CONSTANT = ratio("interpolator.time_constant_s", Values(2e-4, 0.5)).in_calibration(CALIBRATED_CONSTANTS_S);
-    /// Part by which the time constants of all filters but one are shorter, at the same total delay.
+    /// Ratio by which all filters but one are shorter than their mean; that one is longer, so that the total delay stays.
     FILTER_SPREAD = difference("interpolator.time_constants_s", Values(0.02, 0.95));
     /// Jerk from which the time constants follow, mm/s³; as a ratio to the jerk of the constants in the machine file.
     FILTER_JERK = ratio("interpolator.max_jerk_mm_s3", Ratios(1e-3, 1e3));
