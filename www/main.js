@@ -335,5 +335,8 @@ if (state.programs.length + state.recordings.length > 0) changed()
 update()
 await exchange.fromAddress()
 document.documentElement.dataset.ready = 'true'
+// Nobody listened to what was chosen while the page was loading.
+const chosen = /** @type {HTMLInputElement} */ (element('files'))
+if (chosen.files?.length) chosen.dispatchEvent(new Event('change'))
 // Who has read the page so far has a program at hand.
 whenIdle(() => engine.warm())

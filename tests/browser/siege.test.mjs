@@ -35,6 +35,22 @@ async function mortal(page, deaths) {
   await page.waitForSelector('html[data-ready]')
 }
 
+pageTest('a file that is chosen while the page is still loading is computed', async ({ page }) => {
+  /** @type {() => void} */
+  let goOn = () => {}
+  const held = new Promise((resolve) => (goOn = resolve))
+  await page.route('**/main.js', async (route) => {
+    await held
+    await route.continue()
+  })
+  await page.reload({ waitUntil: 'commit' })
+  await page.waitForSelector('#files', { state: 'attached' })
+  await page.setInputFiles('#files', longProgram('part.nc', 20))
+  goOn()
+  await computed(page)
+  assert.deepEqual(await names(page), ['part.nc'])
+})
+
 longTest('a worker that dies is restarted, and the page computes what it was asked for', async ({ page }) => {
   const program = longProgram('part.nc', 2000)
   await page.setInputFiles('#files', program)
