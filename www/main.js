@@ -336,7 +336,6 @@ update()
 await exchange.fromAddress()
 document.documentElement.dataset.ready = 'true'
 // Nobody listened to what was chosen while the page was loading.
-const chosen = /** @type {HTMLInputElement} */ (element('files'))
-if (chosen.files?.length) chosen.dispatchEvent(new Event('change'))
+for (const input of /** @type {NodeListOf<HTMLInputElement>} */ (document.querySelectorAll('input[type=file]'))) if (input.files?.length) input.dispatchEvent(new Event('change'))
 // Who has read the page so far has a program at hand.
 whenIdle(() => engine.warm())

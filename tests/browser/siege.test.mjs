@@ -1,7 +1,9 @@
 // Siege of the page: workers that die, reloads in mid-work, hostile files. What the user had stays.
 
 import assert from 'node:assert/strict'
-import { computed, cycleTimes, kept, longTest, pageTest } from './steps.mjs'
+import { readFileSync } from 'node:fs'
+import { join } from 'node:path'
+import { ROOT, computed, cycleTimes, kept, longTest, pageTest } from './steps.mjs'
 
 const field = (key) => `#field-${key.replaceAll('.', '-')}`
 const names = (page) => page.$$eval('#program .file', (all) => all.map((name) => name.textContent))
@@ -35,20 +37,17 @@ async function mortal(page, deaths) {
   await page.waitForSelector('html[data-ready]')
 }
 
-pageTest('a file that is chosen while the page is still loading is computed', async ({ page }) => {
-  /** @type {() => void} */
-  let goOn = () => {}
-  const held = new Promise((resolve) => (goOn = resolve))
-  await page.route('**/main.js', async (route) => {
-    await held
-    await route.continue()
-  })
+pageTest('files that are chosen while the page is still loading are computed', async ({ page }) => {
+  const held = new Promise((resolve) => page.route('**/main.js', resolve))
   await page.reload({ waitUntil: 'commit' })
-  await page.waitForSelector('#files', { state: 'attached' })
+  await page.waitForSelector('#machine-file', { state: 'attached' })
   await page.setInputFiles('#files', longProgram('part.nc', 20))
-  goOn()
+  await page.setInputFiles('#machine-file', { name: 'mill.toml', mimeType: '', buffer: readFileSync(join(ROOT, 'tests/data/machines/generic.toml')) })
+  const script = await held
+  await script.continue()
   await computed(page)
   assert.deepEqual(await names(page), ['part.nc'])
+  assert.equal(await page.inputValue('#field-name'), 'a machine')
 })
 
 longTest('a worker that dies is restarted, and the page computes what it was asked for', async ({ page }) => {
