@@ -123,27 +123,30 @@ impl<'a> Ledger<'a> {
         }
         let is_rapid = |segment: usize| self.toolpath.segments.motion(segment) == Motion::Rapid;
         let pulses = &self.plan.pulses;
-        let (mut cutting, mut rapid, mut halts) = (RunningSum::default(), RunningSum::default(), 0.0);
+        let (mut cutting, mut rapid, mut halts) = <(RunningSum, RunningSum, f64)>::default();
+        let mut add = |segment: usize, time: f64| {
+            let moves = if is_rapid(segment) { &mut rapid } else { &mut cutting };
+            moves.add(time);
+        };
         for pulse in pulses.range(pulses.before(segments.start)..pulses.before(segments.end)) {
             if pulse.is_halt() {
                 halts += pulse.duration;
             } else {
-                let moves = if is_rapid(pulse.segment as usize) { &mut rapid } else { &mut cutting };
-                moves.add(pulse.duration);
+                add(pulse.segment as usize, pulse.duration);
             }
         }
-        breakdown.functions.halts = halts;
-        breakdown.other += halts;
-        (breakdown.cutting, breakdown.rapid) = (cutting.value(), rapid.value());
         let before = |segment: usize| self.ends.partition_point(|(end, _)| *end < segment);
         for &(end, half) in &self.ends[before(segments.start)..before(segments.end)] {
-            *(if is_rapid(end) { &mut breakdown.rapid } else { &mut breakdown.cutting }) += half;
+            add(end, half);
         }
         let lost =
             self.plan.time_scaling.as_ref().map_or(&[][..], |time_scaling| time_scaling.lost_on(segments));
         for &(segment, lost) in lost {
-            *(if is_rapid(segment) { &mut breakdown.rapid } else { &mut breakdown.cutting }) += lost;
+            add(segment, lost);
         }
+        breakdown.functions.halts = halts;
+        breakdown.other += halts;
+        (breakdown.cutting, breakdown.rapid) = (cutting.value(), rapid.value());
         for wait in &self.waits[stops] {
             let functions = &mut breakdown.functions;
             let function = match wait.cause {

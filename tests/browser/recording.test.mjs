@@ -166,6 +166,7 @@ longTest('what is no recording of the program is refused with what to do, and no
   assert.ok(await page.isVisible('#recording .refused'))
   assert.match(await page.textContent('#recording .answer'), /program.*[Cc]hoose the program that ran.*do not change/s)
   assert.ok(await page.isHidden('#recording .plot'))
+  await page.waitForSelector('#calibration:not([hidden])')
   assert.ok(await page.isDisabled('#calibration .start'))
   assert.ok((await page.$$('#tolerances data')).length > 0, 'the simulation is still there')
 

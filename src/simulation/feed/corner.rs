@@ -28,6 +28,11 @@
 //! nearly always gives the smaller value, because c hardly depends on F. Near the feedrate at which a
 //! corner needs no slowing, the faster leg can give it.
 //!
+//! A faster leg can have a slower corner: beyond the feedrate F₀ = ε / (‖u2 − u1‖ S(h)) at which the corner
+//! needs no slowing, c falls below F₀, for n = 1, 2 and 3 equal constants to 0.80, 0.87 and 0.90 F₀ at 1.6, 1.3
+//! and 1.2 F₀, and rises to F₀ again. A wider tolerance along an arc alone can therefore cost time at a corner
+//! whose tolerance stays; a wider tolerance at corners, or of all in one ratio, never does.
+//!
 //! The F of a hold is the leg's feedrate without the limit that the tolerance sets on arcs. On such an arc the
 //! hold is then a little longer than published. If the hold grew with the arc's own limit, a wider tolerance
 //! could make an arc among many short segments slower.
@@ -281,6 +286,24 @@ mod tests {
                 assert_eq!(law.alpha(f64::INFINITY), 1.0);
                 assert_eq!(law.alpha(0.0), 0.0);
             }
+        }
+    }
+
+    /// c/F₀ = α S(h)/G(α) over F/F₀ = S(h)/G(α).
+    #[test]
+    fn a_faster_leg_lowers_the_corner_by_a_tenth_or_two() {
+        for (n, least, at) in [(1, 0.80, 1.6), (2, 0.87, 1.3), (3, 0.90, 1.2)] {
+            let filter = FilterChain::equal(n, 0.02);
+            let law = CornerLaw::new(&filter);
+            let of = |i: u32| {
+                let alpha = f64::from(i) / 1000.0;
+                let ratio = law.full / law.deviation(alpha);
+                (alpha * ratio, ratio)
+            };
+            let (lowest, there) = (1..=1000).map(of).min_by(|a, b| a.0.total_cmp(&b.0)).expect("some");
+            assert!((lowest - least).abs() < 0.005 && (there - at).abs() < 0.05, "{n}: {lowest} at {there}");
+            let feedrate = law.feedrate(law.full, there, there);
+            assert!((feedrate / lowest - 1.0).abs() < 1e-9, "{n}: {feedrate}, not {lowest}");
         }
     }
 

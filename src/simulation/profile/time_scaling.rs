@@ -31,7 +31,7 @@
 use crate::machine::Machine;
 use crate::simulation::feed::{FeedPlan, Knot, RestToRest, TimeScaling, time_scaling};
 use crate::simulation::profile::{Dynamics, FilteredMotion, Moment, MotionCursor, MotionState, Profile};
-use crate::simulation::running_sum::running_sum;
+use crate::simulation::running_sum::{RunningSum, running_sum};
 use crate::simulation::toolpath::{Curve, Toolpath, Vector};
 
 /// Samples within one filter delay.
@@ -125,13 +125,15 @@ impl AccelerationLimits {
             .flat_map(|pair| self.turning_points(&pair[0], &pair[1]).into_iter().flatten().chain([pair[1]]));
         let samples: Vec<MotionSample> = [samples[0]].into_iter().chain(between).collect();
         let losses: Vec<f64> = samples.windows(2).map(|pair| pair[0].lost_until(&pair[1])).collect();
-        let mut segments: Vec<(usize, f64)> = Vec::new();
-        for (sample, loss) in samples.iter().zip(&losses).filter(|(_, loss)| 0.0 < **loss) {
-            match segments.last_mut() {
-                Some((at, sum)) if *at == sample.segment => *sum += loss,
-                _ => segments.push((sample.segment, *loss)),
+        let slowed = samples.iter().zip(&losses).filter(|(_, loss)| **loss != 0.0);
+        let mut segments: Vec<(usize, RunningSum)> = Vec::new();
+        for (sample, loss) in slowed {
+            if segments.last().is_none_or(|(at, _)| *at != sample.segment) {
+                segments.push((sample.segment, RunningSum::default()));
             }
+            segments.last_mut().expect("one is there").1.add(*loss);
         }
+        let segments: Vec<(usize, f64)> = segments.iter().map(|(at, sum)| (*at, sum.value())).collect();
         let mut knots: Vec<Knot> = Vec::with_capacity(samples.len());
         let losts = [0.0].into_iter().chain(running_sum(losses.into_iter()));
         for (i, (sample, lost)) in samples.iter().zip(losts).enumerate() {
@@ -228,7 +230,8 @@ impl AccelerationLimits {
         let length = from.distance(to);
         let at = |distance: f64, square: f64| {
             let is_inside = 0.0 < distance && distance < length;
-            let time = from.time + distance / from.filtered;
+            // By the share of the length, since the filtered feedrate is constant to some 10⁻⁹ only.
+            let time = from.time + distance / length * (to.time - from.time);
             is_inside.then_some(MotionSample { time, square: square.min(full), ..*from })
         };
         let (rise, fall) = ((full - from.square) / doubled_slope, (full - to.square) / doubled_slope);
