@@ -12,8 +12,8 @@ use truefeed::simulation::interpreter::trace;
 const HEAD: &str = "# Words by dialect
 
 **●** supported · **○** supported with a caveat, which a remark states · **–** unsupported, which a remark reports with line and
-column. `cargo run --example words` writes this page: it runs each example in a short program of its dialect, after a tool, a
-spindle speed and a feedrate.
+column · blank: no example in this dialect. `cargo run --example words` writes this page: it runs each example in a short
+program of its dialect that first sets a tool, a spindle speed and a feedrate.
 
 Heidenhain means Klartext; Heidenhain's DIN/ISO form is the column DIN.
 

@@ -112,7 +112,7 @@ export const say = {
     pause: 'Pause',
     space: 'Space',
     clockOf: (now, end) => `${now} of ${end}`,
-    keys: 'Click|see it everywhere\nDrag|turn in 3D, else move\nShift + drag|move\nCtrl or ⌘ + wheel, two fingers|zoom\nDouble-click, Home|show all\n+ −|zoom\nArrows|turn or move\nShift + ← →|read along the path\nSpace|play, pause',
+    keys: 'Click|show the place in all views\nDrag|turn in 3D, else move\nShift + drag|move\nCtrl or ⌘ + wheel, two fingers|zoom\nDouble-click, Home|show all\n+ −|zoom\nArrows|turn or move\nShift + ← →|read along the path\nSpace|play, pause',
     picture: 'the path',
     described: (name, way) => `The path of ${name}, coloured ${way}. The table below has the places that cost most.`,
     rapid: 'rapid',

@@ -145,15 +145,16 @@ fn chosen() -> String {
     let [tc, rc, ac] = material.coefficients.cutting;
     let [te, re, ae] = material.coefficients.edge;
     format!(
-        "## What was chosen\n\nThe paper gives neither depth, spindle speed, coefficients nor path. Chosen:\n\n\
+        "## What was chosen\n\nThe paper gives no depth, spindle speed, coefficients or path. We chose:\n\n\
          - coefficients of {}: K_tc {tc}, K_rc {rc}, K_ac {ac} N/mm², K_te {te}, K_re {re}, K_ae {ae} N/mm;\n  {};\n\
          - depth {:.0} mm, half of the pocket, and {:.0} rpm (300 m/min); helix {HELIX:.0}°, no run-out;\n\
          - trochoid: loops of radius {:.0} mm, {:.1} mm further on each time, climbing, in chords that turn by {:.0}°, along the left side, the end\n  \
          and the right side; they leave {:.1} mm at the walls;\n\
          - cornering section: one pass along the walls, corners of radius {:.0} mm in chords that turn by {:.0}°;\n\
          - stock in cells of {RESOLUTION} mm.\n\n\
-         The paper does not publish depth, speed, path and the way from loop to loop. We chose them among many, knowing the paper's forces and ratios\n\
-         beforehand, so the agreement proves little; we did not choose the coefficients so. The last table shows how the ratios depend on the choice.\n\n",
+         The paper does not publish the depth, the speed, the path or the move from one loop to the next. We tried many values and\n\
+         chose these knowing the paper's forces and ratios, so the agreement proves little. We did not choose the coefficients\n\
+         that way. The last table shows how the ratios depend on the choice.\n\n",
         material.name,
         material.source,
         CHOICE.depth,

@@ -69,7 +69,9 @@ filtered velocities cross in the middle, and the path passes the corner at the t
 ![Fig. 11](paper/fig-11.svg)
 
 **Fig. 11. Cornering feed against the angle, 2000 mm/min.** The total delay is 76.5 ms for both orders, so T1 is 38.3 ms for two
-filters and 25.5 ms for three. Three filters take every corner faster, and 50 µm faster than 10 µm, as in the paper.
+filters and 25.5 ms for three. θ is the angle between the two lines: 0° is a reversal, 180° a straight line. As in the
+paper, three filters take a corner faster than two, and a tolerance of 50 µm allows a higher feedrate than 10 µm; at 170°
+and 50 µm, both filter chains reach the programmed feedrate.
 
 ";
 
@@ -242,10 +244,11 @@ fn features(contour: &Pocket, trochoid: &Pocket) -> String {
     format!(
         "In the middle of a long side, at a right angle, in the middle of a rounded corner, of a stepover and of a main arc; mm/min.\n\n\
          | pocket | F | µm | feature | measured | paper | ours | against paper |\n|---|---:|---:|---|---:|---:|---:|---:|\n{rows}\n\
-         The rows of the sharp corner give the true resultant and, below it, the command αF that Eq. 12 takes for it. The paper does not give the\n\
-         angle of its corner; here it is a right one, so these rows show the trend and no more. The trochoid loses its feedrate on the main\n\
-         arc at 10 µm and keeps it at 50 µm, as printed; the stepover of the paper does not reach its feedrate at 3000 mm/min and 10 µm, ours,\n\
-         longer, does. The contour's rounded corner, on which nothing was chosen, loses too little there.\n\n"
+         For the sharp corner, the first row gives the true resultant feedrate and the second the command αF that Eq. 12 takes for\n\
+         it. The paper does not give the angle of its corner; we took a right angle, so these rows show only the trend. As in the\n\
+         paper, the trochoid loses feedrate on its main arc at 10 µm and keeps it at 50 µm. At 3000 mm/min and 10 µm, the paper\n\
+         predicts a stepover below the programmed feedrate; its measured stepover and ours, which is probably longer, reach it to\n\
+         within 0.2 %. At the same setting, the contour's rounded corner, which we did not use for any choice, slows down too little.\n\n"
     )
 }
 

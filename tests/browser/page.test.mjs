@@ -142,7 +142,7 @@ pageTest('what is no program is named, with what to drop instead, and what is be
   ]) {
     await page.setInputFiles('#files', file(name, bytes))
     await page.waitForFunction(({ refused, text }) => document.querySelector(refused).textContent.includes(text), { refused, text: `${name} seems to be ${kind}` })
-    assert.match(await page.textContent(refused), /Drop a G-code program/)
+    assert.match(await page.textContent(refused), /You can drop G-code programs/)
     assert.ok(await page.isVisible(refused))
   }
   assert.equal(await page.locator('.choose').count(), 0)

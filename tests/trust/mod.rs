@@ -115,9 +115,7 @@ fn the_true_time_lies_within_what_is_in_doubt() {
         let page = page("docs/trust.md");
         for stated in [
             format!("| all | {held} of {} |", all.len()),
-            format!(
-                "the doubt was {by_error:.1} times the error (median), and over all programs {by_time:.2} of"
-            ),
+            format!("{by_error:.1} times the error; over all programs, the median doubt was {by_time:.2} of"),
         ] {
             assert!(page.contains(&stated), "docs/trust.md states something else than: {stated}");
         }

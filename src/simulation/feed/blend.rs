@@ -5,7 +5,7 @@
 //! length L therefore consists of three pieces, each run as a trapezoid of path speed v:
 //!
 //! ```text
-//!   half a circle        line           half a circle
+//!  half of the arc       line          half of the arc
 //!  |<-- κ1 d1 -->|<-- L − d1 − d2 -->|<-- κ2 d2 -->|        κ = ½ φ / tan(φ/2) ≤ 1
 //! ```
 //!
@@ -26,7 +26,7 @@
 //!
 //! A parabola is the part of the motion in which the first leg brakes while the second already speeds up. Its
 //! path speed changes from the first value to the last with one acceleration. The first leg would come to a
-//! stop at its own end, so the motion can always stop at a parabola, and one among these pieces lifts the limit.
+//! stop at its own end, so the motion can always stop at a parabola. A parabola among these pieces lifts the limit.
 //!
 //! Limits: if a circle takes different lengths of the two legs, κ is the same for both. Source: derived; the
 //! division, the gap of four periods and the look-ahead (`tpRunOptimization`) are LinuxCNC's

@@ -1,13 +1,15 @@
 //! The corners and feedrates of a rest-to-rest motion that a planner can run, given its look-ahead, the ramps
 //! between neighbours and its minimum cruise ratio.
 //!
-//! | planner | corners by themselves | ramps | look-ahead |
+//! The planner must be able to stop within the blocks that it knows. The last column names what this limits.
+//!
+//! | planner | law of a single corner | ramps | limited by the look-ahead |
 //! |---|---|---|---|
-//! | filters | tolerance | steps, smoothed by the filters | no feedrate from which it would not stop within them |
-//! | filters, acceleration before them | tolerance | constant acceleration | as above |
-//! | grbl, Klipper, Marlin | junction law | constant acceleration | and no corner, but for the block that is run |
-//! | any, with a jerk along the path | as above | constant jerk | as above |
-//! | LinuxCNC | circles, in the module of blends | constant acceleration, per piece | and no line or circle, but for the one that is run |
+//! | filters | tolerance | steps, smoothed by the filters | feedrates |
+//! | filters after an acceleration | tolerance | constant acceleration | feedrates |
+//! | grbl, Klipper, Marlin | junction law | constant acceleration | feedrates; corners, without the running block |
+//! | any of these, with a jerk along the path | unchanged | constant jerk | unchanged |
+//! | LinuxCNC | circle or parabola (`corner_blend`) | constant acceleration per piece | starts of lines and circles |
 //!
 //! Between neighbours v² changes by 2 a L at most over a segment of length L (mm) and acceleration a (mm/s²), so
 //! that with N blocks of look-ahead, of which the first is run, a corner before block k is passed at

@@ -20,8 +20,8 @@
 //! merged. A tolerance for the whole program counts as P.
 //!
 //! Other controls leave no point out, but run a curve past the corners (COMPCAD of Siemens, smoothing of
-//! Fanuc): a parabola that touches both lines of a corner, each at the length of the shorter line from the
-//! corner, passes the corner at
+//! Fanuc). Truefeed takes a parabola that touches both lines at the same distance from the corner, which is the
+//! length of the shorter line. The parabola passes the corner at a distance of
 //!
 //! ```text
 //! L ‖u₂ − u₁‖ / 4          L length of the shorter line, u unit tangents

@@ -1,8 +1,8 @@
 //! Decimal numbers of G-code words.
 //!
-//! The value is the f64 nearest to the written number. With digits d (an integer) and k decimals, d / 10^k is
-//! correctly rounded if d < 2^53 and k ≤ 22, since both are exact. Programs hardly have other numbers; the
-//! standard library reads those.
+//! The value is the f64 nearest to the written number. If all digits form the integer d and k of them are decimals,
+//! d / 10^k is correctly rounded for d < 2^53 and k ≤ 22, since d and 10^k are exact. Truefeed divides up to 15
+//! digits; the standard library reads longer numbers, which are rare in programs.
 
 /// A number found in a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,12 +27,13 @@ const MAX_WHOLE_DEVIATION: f64 = 1e-4;
 const MAX_WHOLE: f64 = 1e9;
 
 /// Returns the whole number that a value means; `None` if the value is negative, too large, or 0.0001 or more from
-/// each. Source: RS274/NGC version 3, Sect. 3.3.2.1.
+/// the nearest integer. Source: RS274/NGC version 3, Sect. 3.3.2.1.
 pub fn whole_number(value: f64) -> Option<u32> {
     nearest_whole(value).filter(|whole| (0.0..=MAX_WHOLE).contains(whole)).map(|whole| whole as u32)
 }
 
-/// Returns the whole number of any size that a value means; `None` if the value is 0.0001 or more from each.
+/// Returns the whole number of any size that a value means; `None` if the value is 0.0001 or more from the
+/// nearest integer.
 pub fn nearest_whole(value: f64) -> Option<f64> {
     let whole = value.round();
     ((value - whole).abs() < MAX_WHOLE_DEVIATION).then_some(whole)

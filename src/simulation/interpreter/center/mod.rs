@@ -1,9 +1,9 @@
 //! The reference point of I, J and K of arcs: the start of the arc or the origin.
 //!
-//! G90.1 and G91.1 state it from their block on, and most controls have a rule. On the others it is a setting, and
-//! the arcs of the program show it: arcs that close in one way only decide by majority for the whole program, so
-//! that a damaged arc changes nothing. Truefeed runs a program with incremental centres, and once more with
-//! absolute ones if its arcs show those.
+//! G90.1 and G91.1 state it from their block on. Without them, most controls have a fixed rule. On the others the
+//! reference point is a setting, and Truefeed infers it from the arcs: an arc that closes from only one of the two
+//! points counts for that point, and the majority decides for the whole program, so that one damaged arc changes
+//! nothing. Truefeed runs the program with incremental centres, and again with absolute ones if the arcs show those.
 
 mod words;
 mod arcs;

@@ -36,7 +36,10 @@ fn consequence(what: Unmodelled) -> (Option<&'static str>, &'static str) {
         Unmodelled::Compressor => {
             (None, "the compressor, which joins short blocks, is not modelled: each block is run as written")
         }
-        Unmodelled::Measuring => (None, "measuring is not modelled: its moves and its time are missing"),
+        Unmodelled::Measuring => (
+            None,
+            "measuring is not modelled: its move is run over the full travel, which the machine ends at the contact",
+        ),
         Unmodelled::ToolDirection => (
             Some("A3, B3, C3, LEAD, TILT"),
             "the direction of the tool is not modelled: the path of its tip is taken as written, the turning of the head is not timed",
