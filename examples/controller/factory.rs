@@ -23,6 +23,8 @@ pub struct Order {
     pub seed: u64,
     pub programs: usize,
     pub changes: usize,
+    /// The kinds of changes to draw from; all if empty.
+    pub kinds: Vec<String>,
     pub recorder: Recorder,
     /// Recorders at work at a time.
     pub jobs: usize,
@@ -154,6 +156,8 @@ fn part(
 /// Which change is made where: every kind comes before any comes again, as far as programs have what it changes.
 fn changes_drawn(order: &Order, parts: &[Part]) -> Vec<(usize, usize, usize)> {
     let mut random = Random::new(order.seed, purpose::CHANGES);
+    let is_ordered =
+        |kind: &usize| order.kinds.is_empty() || order.kinds.iter().any(|name| name == KINDS[*kind].name);
     let mut deck = Vec::new();
     let mut planned: Vec<(usize, usize, usize)> = Vec::new();
     for slot in 0..order.changes {
@@ -164,7 +168,7 @@ fn changes_drawn(order: &Order, parts: &[Part]) -> Vec<(usize, usize, usize)> {
             };
             let place = deck.iter().position(fits).unwrap_or_else(|| {
                 let begin = deck.len();
-                deck.extend(shuffled(&mut random, KINDS.len()));
+                deck.extend(shuffled(&mut random, KINDS.len()).into_iter().filter(is_ordered));
                 deck[begin..].iter().position(fits).map_or(begin, |place| begin + place)
             });
             planned.push((part, slot, deck.remove(place)));
@@ -221,7 +225,7 @@ fn answer(part: &Part, run: &Trace, kind: &Kind, drawn: &Drawn, file: &str) -> V
         "value": drawn.value,
         "options": drawn.options,
         "effect_s": run.duration() - part.clean.duration(),
-        "effect_mm": run.farthest(drawn.scale),
+        "effect_mm": run.bend(drawn.scale),
         "lines_changed": run.lines_changed(&part.clean),
         "interval": interval,
         "seconds": run.duration(),

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! cargo run --release --example controller -- record --seed 1 --programs 12 --changes 3 --out DIR
-//!     [--recorder ../shared/recorders/linuxcnc/record.py --jobs 2 --nice 10]
+//!     [--kinds backlash,servo_lag --recorder ../shared/recorders/linuxcnc/record.py --jobs 2 --nice 10]
 //! cargo run --release --example controller -- score DIR --out REPORTS
 //!     [--truefeed target/release/truefeed --preset M.toml --jobs 2]
 //! ```
@@ -58,6 +58,7 @@ fn run() -> Result<(), Refusal> {
         seed: 1,
         programs: 12,
         changes: 3,
+        kinds: Vec::new(),
         recorder: recorder::Recorder {
             script: "../shared/recorders/linuxcnc/record.py".into(),
             nice: 0,
@@ -75,6 +76,13 @@ fn run() -> Result<(), Refusal> {
             Long("seed") => order.seed = arguments.value()?.parse()?,
             Long("programs") => order.programs = arguments.value()?.parse()?,
             Long("changes") => order.changes = arguments.value()?.parse()?,
+            Long("kinds") => {
+                let names = arguments.value()?.string()?;
+                order.kinds = names.split(',').map(str::to_owned).collect();
+                if let Some(other) = order.kinds.iter().find(|name| changes::named(name).is_none()) {
+                    return Err(format!("no kind of change is called '{other}'").into());
+                }
+            }
             Long("recorder") => order.recorder.script = arguments.value()?.into(),
             Long("nice") => order.recorder.nice = arguments.value()?.parse()?,
             Long("speed") => order.recorder.speed = arguments.value()?.parse()?,

@@ -134,13 +134,40 @@ impl Trace {
         ranges
     }
 
-    /// The largest distance between positions recorded and commanded, mm.
-    pub fn farthest(&self, scale: Scale) -> f64 {
+    /// By how much the recorded path is bent: the largest distance between positions recorded and commanded, mm, once
+    /// the command is as late as they are on the whole. A delay common to all axes bends nothing, and no recording tells
+    /// it from a clock that began earlier.
+    pub fn bend(&self, scale: Scale) -> f64 {
+        let mut delay = 0.0;
+        for _ in 0..8 {
+            let (mut along, mut speed) = (0.0, 0.0);
+            for row in &self.rows {
+                let (command, velocity) = self.commanded(row.t - delay);
+                let at = row.position(scale);
+                along += (0..3).map(|axis| (at[axis] - command[axis]) * velocity[axis]).sum::<f64>();
+                speed += velocity.iter().map(|own| own * own).sum::<f64>();
+            }
+            if speed == 0.0 {
+                break;
+            }
+            delay -= along / speed;
+        }
         let away = |row: &Row| {
-            let at = row.position(scale);
-            (0..3).map(|axis| (at[axis] - row.command[axis]).powi(2)).sum::<f64>().sqrt()
+            let (command, at) = (self.commanded(row.t - delay).0, row.position(scale));
+            (0..3).map(|axis| (at[axis] - command[axis]).powi(2)).sum::<f64>().sqrt()
         };
         self.rows.iter().map(away).fold(0.0, f64::max)
+    }
+
+    /// The commanded position (mm) and its velocity (mm/s) at a time, on lines between the rows.
+    fn commanded(&self, time: f64) -> ([f64; 3], [f64; 3]) {
+        let after = self.rows.partition_point(|row| row.t <= time).clamp(1, self.rows.len() - 1);
+        let (from, to) = (&self.rows[after - 1], &self.rows[after]);
+        let part = ((time - from.t) / (to.t - from.t)).clamp(0.0, 1.0);
+        let velocity = std::array::from_fn(|axis| (to.command[axis] - from.command[axis]) / (to.t - from.t));
+        let position =
+            std::array::from_fn(|axis| from.command[axis] + part * (to.command[axis] - from.command[axis]));
+        (position, velocity)
     }
 
     /// The first and last moment, from the first row, in which a row is as asked, with its line.
