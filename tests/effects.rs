@@ -7,6 +7,7 @@ use truefeed::identification::fit::Run;
 use truefeed::identification::recording::read;
 use truefeed::machine::Machine;
 use truefeed::project::profile_csv;
+use truefeed::simulation::drive::actual_motion;
 use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::{Profile, Resolution, Samples};
 use truefeed::simulation::toolpath::Toolpath;
@@ -154,4 +155,26 @@ fn a_velocity_limit_along_the_path_is_no_override() {
     let diagnosis = diagnosed(&toolpath, &believed, &samples);
     assert_eq!(names(&diagnosis), [("axis_velocity_limit", "XYZ")]);
     assert!((diagnosis.machine.path.velocity - 40.0).abs() < 0.1, "{:?}", diagnosis.machine.path);
+}
+
+/// A scale at the table is behind after each reversal, an encoder at a motor that is compensated ahead.
+#[test]
+fn backlash_and_its_compensation_are_told_apart() {
+    let believed = Machine::default();
+    let rows = (0..6).map(|row| {
+        let y = 8 * row;
+        format!("G1 X40 Y{y} F1500\nG3 X40 Y{} I0 J4\nG1 X0\n", y + 8)
+    });
+    let text = format!("G21 G90\nG0 X0 Y0\n{}M30\n", rows.collect::<String>());
+    let toolpath = trace(&gcode::read(text.as_bytes()), &believed);
+    let plan = simulate(&toolpath, &believed);
+    let commanded = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
+    for (backlash, compensation, variant) in [(0.06, 0.0, "X"), (0.0, 0.06, "X, compensated")] {
+        let mut truth = believed.clone();
+        (truth.axes[0].backlash, truth.axes[0].backlash_compensation) = (backlash, compensation);
+        let diagnosis = diagnosed(&toolpath, &believed, &actual_motion(&commanded, &truth));
+        assert_eq!(names(&diagnosis), [("backlash", variant)]);
+        let width = diagnosis.causes[0].candidate.values[0];
+        assert!((width - 0.06).abs() < 2e-3, "{width} mm");
+    }
 }

@@ -54,6 +54,8 @@ pub struct Machine {
     pub unexplained_time: Option<f64>,
     /// RMS distance of recorded from simulated positions at equal times after the calibration, mm.
     pub form_error: Option<f64>,
+    /// Geometric mean of that distance over short parts of the runs, mm.
+    pub typical_form_error: Option<f64>,
     /// Contour tolerances at which `cycle_time_error` was measured, mm; if empty, the interpolator's.
     pub calibrated_at: Vec<f64>,
     /// Programs and errors of the calibration.
@@ -258,8 +260,17 @@ pub struct Axis {
     pub servo_lag: f64,
     /// Backlash between drive and table, mm; neutral 0.
     pub backlash: f64,
+    /// Compensation of backlash that recorded positions contain, mm; neutral 0.
+    pub backlash_compensation: f64,
     /// First structural mode; neutral `None`.
     pub mode: Option<StructuralMode>,
+}
+
+impl Axis {
+    /// Returns `true` if the axis does not follow its command exactly.
+    pub fn has_drive(&self) -> bool {
+        0.0 < self.servo_lag || self.mode.is_some() || 0.0 < self.backlash || 0.0 < self.backlash_compensation
+    }
 }
 
 /// One rotary axis.
@@ -398,6 +409,7 @@ impl Machine {
             cycle_time_error: None,
             unexplained_time: None,
             form_error: None,
+            typical_form_error: None,
             calibrated_at: Vec::new(),
             calibrated_on: CalibratedOn::default(),
             ..self.clone()
@@ -441,6 +453,7 @@ impl Default for Machine {
             cycle_time_error: None,
             unexplained_time: None,
             form_error: None,
+            typical_form_error: None,
             calibrated_at: Vec::new(),
             calibrated_on: CalibratedOn::default(),
             interpolator: Interpolator {
@@ -517,6 +530,7 @@ impl Default for Axis {
             home: None,
             servo_lag: 0.0,
             backlash: 0.0,
+            backlash_compensation: 0.0,
             mode: None,
         }
     }

@@ -59,7 +59,7 @@ fn limits_out_of_reach_change_no_bit() {
         for axis in &mut machine.axes {
             (axis.velocity, axis.acceleration, axis.jerk) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
             // These act on the motion, not on the plan.
-            (axis.servo_lag, axis.backlash) = (0.01, 0.1);
+            (axis.servo_lag, axis.backlash, axis.backlash_compensation) = (0.01, 0.1, 0.2);
         }
         let plan = case.plan();
         let neutral = Case { toolpath: case.toolpath.clone(), machine: machine.clone(), ..case };

@@ -9,7 +9,7 @@ use crate::identification::alignment::map_matching::{Track, follow};
 use crate::identification::alignment::path::Path;
 use crate::identification::alignment::place::{ProgramPlace, times};
 use crate::identification::alignment::{Alignment, Method};
-use crate::machine::Machine;
+use crate::machine::{Axis, Machine};
 use crate::simulation::drive::actual_motion;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::profile::{Profile, Resolution};
@@ -28,10 +28,8 @@ pub fn times_at_marks(
 ) -> Vec<f64> {
     let places: Vec<ProgramPlace> = alignment.marks.iter().map(|mark| mark.place).collect();
     let ideal = times(toolpath, plan, &places);
-    let drives =
-        |axis: &crate::machine::Axis| 0.0 < axis.servo_lag || axis.mode.is_some() || 0.0 < axis.backlash;
     let track = match (&alignment.track, alignment.method) {
-        (Some(track), Method::Positions) if machine.axes.iter().any(drives) => track,
+        (Some(track), Method::Positions) if machine.axes.iter().any(Axis::has_drive) => track,
         _ => return ideal,
     };
     let profile = Profile::new(toolpath, plan);

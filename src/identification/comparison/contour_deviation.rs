@@ -21,6 +21,9 @@ const MEDIAN_REACH_S: f64 = 1.0;
 const MAX_SAMPLES: usize = 8000;
 /// Uncertainty of a recorder's stamps, s; multiplied by the speed it is a difference along the motion.
 const STAMP_DEVIATION_S: f64 = 1e-3;
+/// Number of parts of a recording whose errors have a geometric mean: enough for most of them to be free of the
+/// places where a model is far off.
+pub const TYPICAL_PARTS: usize = 256;
 /// Most Newton steps for the delay, and the least step, s.
 const MAX_DELAY_STEPS: usize = 8;
 const MIN_DELAY_STEP_S: f64 = 1e-6;
@@ -90,6 +93,23 @@ impl ContourDeviation {
             delay -= step;
         }
         (rms, best)
+    }
+
+    /// Returns the geometric mean of the RMS distances of [`TYPICAL_PARTS`] parts of the recording, mm, each with
+    /// the noise; a part that is far off counts no more than one that is a little off.
+    pub fn typical_error(&self, machine: &Machine) -> f64 {
+        let squares = self.mean_squares(machine, TYPICAL_PARTS);
+        let logarithms: f64 = squares.iter().map(|square| square.ln()).sum();
+        (0.5 * logarithms / squares.len().max(1) as f64).exp()
+    }
+
+    /// Returns the mean squared deviation of each of `count` parts of the recording, with the variance of the
+    /// noise, mm².
+    pub fn mean_squares(&self, machine: &Machine, count: usize) -> Vec<f64> {
+        let length = self.rows.len().div_ceil(count).max(1);
+        let sums = self.parts(machine, count).into_iter().enumerate();
+        let length_of = |part: usize| length.min(self.rows.len() - part * length) as f64;
+        sums.map(|(part, sum)| sum / length_of(part) + self.noise * self.noise).collect()
     }
 
     /// Returns the sum of squared deviations (mm²) of each of `count` contiguous parts of the recording.
@@ -221,5 +241,36 @@ mod tests {
         let parts = deviation.parts(&machine, 8);
         let sum: f64 = parts.iter().sum();
         assert!((f64::sqrt(sum / 379.0) - wrong).abs() < 1e-9, "the parts add up to the whole");
+        let squares = deviation.mean_squares(&machine, 8);
+        for (at, (sum, square)) in parts.iter().zip(squares).enumerate() {
+            let rows = if at < 7 { 48.0 } else { 43.0 };
+            assert!((sum / rows + 4e-6 - square).abs() < 1e-12, "part {at}");
+        }
+    }
+
+    /// One place that is far off hides nothing in the geometric mean.
+    #[test]
+    fn a_typical_error_is_that_of_most_parts() {
+        let machine = Machine::default();
+        let mut bent = machine.clone();
+        bent.axes[0].backlash = 0.02;
+        let samples = square();
+        let recorded = |actual: &Machine| {
+            let actual = actual_motion(&samples, actual);
+            let mut row = 0;
+            let times = (1..380).map(|row| 0.01 * f64::from(row));
+            let rows = times.map(|time| {
+                let (position, _) = actual.motion_at(time, &mut row);
+                let off = if (1.5..1.7).contains(&time) { 3.0 } else { 0.0 };
+                (time, [position.x + off, position.y, position.z])
+            });
+            let rows = rows.collect();
+            ContourDeviation { samples: samples.clone(), rows, recorded: [true; 3], noise: 2e-3 }
+        };
+        let ratio = |measure: &dyn Fn(&ContourDeviation) -> f64| {
+            measure(&recorded(&bent)) / measure(&recorded(&machine))
+        };
+        assert!(ratio(&|one| one.error(&machine).0) < 1.01);
+        assert!(2.0 < ratio(&|one| one.typical_error(&machine)));
     }
 }

@@ -21,7 +21,7 @@ mod contour_deviation;
 mod measures;
 mod pointwise;
 
-pub use contour_deviation::ContourDeviation;
+pub use contour_deviation::{ContourDeviation, TYPICAL_PARTS};
 pub use lost_time::{LostTimeCurve, lost_time_curve};
 pub use measures::{FeedError, PooledFeedError, PositionError, feed_error_during};
 pub use pointwise::{Pointwise, pointwise};

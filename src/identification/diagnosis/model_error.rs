@@ -27,6 +27,8 @@ pub struct ModelError {
     /// Root mean square distance between recorded and simulated positions at equal times, mm; `None` without recorded
     /// positions.
     pub form: Option<f64>,
+    /// Geometric mean of that distance over short parts of the runs, mm.
+    pub typical_form: Option<f64>,
 }
 
 impl ModelError {
@@ -36,6 +38,7 @@ impl ModelError {
         ModelError {
             unexplained_time: left.seconds / left.recorded().max(1e-9),
             form: form::error(machine, runs),
+            typical_form: form::typical_error(machine, runs),
         }
     }
 
@@ -43,6 +46,7 @@ impl ModelError {
     pub fn keep_in(self, machine: &mut Machine) {
         machine.unexplained_time = Some(self.unexplained_time);
         machine.form_error = self.form;
+        machine.typical_form_error = self.typical_form;
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
 use crate::identification::effects::parameters;
-use crate::identification::effects::report::{AXIS, DAMPING, FREQUENCY, TIME_CONSTANT, WIDTH};
+use crate::identification::effects::report::{AXIS, DAMPING, FREQUENCY, RECORDED_AT, TIME_CONSTANT, WIDTH};
 use crate::identification::fit::Run;
 use crate::machine::{AXES, StructuralMode};
 
@@ -36,13 +36,21 @@ pub fn servo_lag(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     recorded(context.runs).take(1).map(of_all).chain(recorded(context.runs).map(of_one)).collect()
 }
 
+/// Returns the hypotheses of a backlash of each recorded axis, as a scale at the table shows it, and of its
+/// compensation, as an encoder at the motor does.
 pub fn backlash(effect: Effect, context: &Context) -> Vec<Hypothesis> {
-    let of_axis = |axis: usize| {
+    let at_table = |axis: usize| {
         let freed = parameters::BACKLASH[axis].tried();
         let report = move |value| vec![AXIS.word(AXES[axis]), WIDTH.number(value)];
         Hypothesis::single(effect, freed, ratios(2e-3, 0.2, 7), report).variant(AXES[axis])
     };
-    recorded(context.runs).map(of_axis).collect()
+    let at_motor = |axis: usize| {
+        let freed = parameters::BACKLASH_COMPENSATION[axis].tried();
+        let report = move |value| vec![AXIS.word(AXES[axis]), WIDTH.number(value), RECORDED_AT.word("motor")];
+        Hypothesis::single(effect, freed, ratios(2e-3, 0.2, 7), report)
+            .variant(format!("{}, compensated", AXES[axis]))
+    };
+    recorded(context.runs).flat_map(|axis| [at_table(axis), at_motor(axis)]).collect()
 }
 
 pub fn vibration(effect: Effect, context: &Context) -> Vec<Hypothesis> {

@@ -278,6 +278,8 @@ parameters_of_axes! {
     SERVO_LAG = "servo_lag_s", Values(1e-5, 0.5);
     /// Backlash of each axis, mm.
     BACKLASH = "backlash_mm", Values(1e-4, 2.0);
+    /// Compensation of the backlash of each axis, mm.
+    BACKLASH_COMPENSATION = "backlash_compensation_mm", Values(1e-4, 2.0);
     /// Frequency of the structural mode of each axis, Hz. A faster vibration in a recording does not come from the
     /// structure.
     VIBRATION_FREQUENCY = "vibration_hz", Values(1.0, 1000.0);

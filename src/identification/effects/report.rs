@@ -67,6 +67,8 @@ pub const PLANNER: Quantity = quantity("planner", "planner", "");
 pub const RAPID: Quantity = quantity("rapid_mm_min", "rapid", "mm/min");
 /// A ratio to the assumed value.
 pub const RATIO: Quantity = quantity("ratio", "ratio", "");
+/// The place of the encoder or scale whose positions were recorded, if it is known.
+pub const RECORDED_AT: Quantity = quantity("recorded_at", "recorded at", "");
 /// The junction law, which limits the feedrate at corners.
 pub const RULE: Quantity = quantity("rule", "rule", "");
 /// A time, s.

@@ -267,7 +267,13 @@ effects! {
     BACKLASH {
         id: "backlash", nature: Nature::Drive, offered: drives::backlash,
         vendors: "BACKLASH (Siemens MD32450), No. 1851 (Fanuc), MP710 (Heidenhain)",
-        sentence: |f| format!("Axis {} has {} mm of backlash.", f.word(of::AXIS), f.number(of::WIDTH)),
+        sentence: |f| {
+            let (axis, width) = (f.word(of::AXIS), f.number(of::WIDTH));
+            match f.word(of::RECORDED_AT) {
+                "" => format!("Axis {axis} has {width} mm of backlash."),
+                _ => format!("The recorded positions of {axis} contain a compensation of {width} mm of backlash."),
+            }
+        },
     }
     /// Vibration of the structure.
     STRUCTURAL_VIBRATION {

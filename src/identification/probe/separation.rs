@@ -149,7 +149,7 @@ impl ProbeTrial {
 fn without_drives(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
     for axis in &mut machine.axes {
-        *axis = Axis { servo_lag: 0.0, backlash: 0.0, mode: None, ..*axis };
+        *axis = Axis { servo_lag: 0.0, backlash: 0.0, backlash_compensation: 0.0, mode: None, ..*axis };
     }
     machine
 }

@@ -20,6 +20,8 @@ macro_rules! axis {
                 "Time by which the axis lags its command, 1/Kv. 0: no lag. Does not change the cycle time."),
             row!(concat!("axis.", $name, ".backlash_mm"), concat!("Backlash ", $name), value Millimetre (0.0, 5.0) [axes[$index].backlash] or 0.0,
                 "Play that the axis crosses at each reversal before the table follows. 0: none."),
+            row!(concat!("axis.", $name, ".backlash_compensation_mm"), concat!("Backlash compensation ", $name), value Millimetre (0.0, 5.0) [axes[$index].backlash_compensation] or 0.0,
+                "Compensation of backlash as an encoder at the motor shows it: after each reversal the motor is ahead of the programmed position by half of it. 0: none, or a scale at the table is recorded."),
             Parameter {
                 key: concat!("axis.", $name, ".vibration_hz"),
                 label: concat!("Vibration frequency ", $name),

@@ -21,13 +21,15 @@ fn numbers_of(axes: [bool; 3]) -> Option<Vec<f64>> {
 }
 
 /// The rows, in the order of forms and files; an edit of the motion clears them.
-pub const CALIBRATED: [Parameter; 14] = [
+pub const CALIBRATED: [Parameter; 15] = [
     row!("calibration.cycle_time_error_percent", "Error of the cycle time", optional Percent (0.0, 100.0) [cycle_time_error],
         "By how much the cycle time was off when these numbers were calibrated; the uncertainty of a quote. Empty: unknown. Editing the motion empties it."),
     row!("calibration.unexplained_percent", "Time left unexplained", optional Percent (0.0, 1000.0) [unexplained_time],
         "Lost time that the calibration left unexplained, added up place by place without cancelling. A diagnosis treats it as the error of the model. Empty: unknown."),
     row!("calibration.form_error_mm", "Error of the form", optional Millimetre (0.0, 1000.0) [form_error],
         "Root mean square distance between recorded and simulated positions at equal times, at the calibration. Empty: unknown."),
+    row!("calibration.typical_form_error_mm", "Typical error of the form", optional Millimetre (0.0, 1000.0) [typical_form_error],
+        "Geometric mean of the same distance over short parts of the run, at the calibration: unlike the root mean square, a few places where the form is far off do not raise it. Empty: unknown."),
     row!("calibration.range_percent", "Range on other programs", optional Percent (0.0, 100.0) [calibrated_on.range],
         "On nine in ten other programs, the time of the motion is off by at most this much, if they ask for nothing that the calibration did not see. Empty: unknown."),
     row!("calibration.turns_deg", "Corners calibrated on", extent Degree (0.0, 180.0) [calibrated_on.turns],

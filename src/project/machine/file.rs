@@ -120,6 +120,7 @@ pub fn motion_of_machine(machine: &Machine) -> String {
         cycle_time_error: neutral.cycle_time_error,
         unexplained_time: neutral.unexplained_time,
         form_error: neutral.form_error,
+        typical_form_error: neutral.typical_form_error,
         calibrated_at: neutral.calibrated_at,
         calibrated_on: neutral.calibrated_on,
         rates: neutral.rates,
