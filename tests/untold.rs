@@ -122,6 +122,24 @@ fn a_limit_is_found_where_a_looser_one_would_cost_more_than_all() {
     assert!((diagnosis.causes[0].candidate.values[0] / 440.0 - 1.0).abs() < 0.02);
 }
 
+/// A calibration that took another reason to be slow for velocity limits, as on arcs at their centripetal acceleration.
+#[test]
+fn a_limit_that_the_recording_exceeds_is_no_cause_of_another_program() {
+    let mut wrong = calibrated(ARCS);
+    let own = diagnosed(&wrong, &rows('X'), &truth());
+    assert!(own.causes.is_empty(), "{:?}", own.causes);
+    for axis in &mut wrong.axes {
+        (axis.velocity, axis.rapid) = (30.0, 30.0);
+    }
+    wrong.calibrated_on.assumed_rapids = [false; 3];
+    let program =
+        rows('X').replace("G0 X90 Z12\nG0 X0 Z0\n", &"G0 X90 Z12\nG1 X86 F900\nG0 X0 Z0\nG1 X4\n".repeat(4));
+    let diagnosis = diagnosed(&wrong, &program, &truth());
+    assert!(diagnosis.causes.is_empty(), "{:?}", diagnosis.causes);
+    let raised = diagnosis.calibrated.expect("the limits are raised");
+    assert!(60.0 < raised.axes[0].velocity, "{} mm/s", raised.axes[0].velocity);
+}
+
 #[test]
 fn a_rapid_that_no_run_showed_is_taken_from_the_recording_and_is_no_cause() {
     let mut slow = truth();

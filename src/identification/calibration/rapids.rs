@@ -13,6 +13,7 @@ use crate::identification::alignment::Fix;
 use crate::identification::fit::Run;
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::limits;
+use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Vector};
 
 /// Window over which a velocity is taken, s.
@@ -25,6 +26,10 @@ const MAX_HELD_BACK_RATIO: f64 = 0.98;
 const MIN_VISITS: usize = 4;
 /// Least time between two such moments, s.
 const MIN_VISIT_INTERVAL_S: f64 = 0.2;
+/// Least number of rapids that show a velocity: a jump of the recorder may be in one.
+const MIN_RAPIDS: usize = 2;
+/// Largest deviation of a velocity by noise, in standard deviations.
+const MAX_NOISE: f64 = 4.0;
 /// Largest relative change of the velocity on a plateau.
 const PLATEAU: f64 = 0.005;
 
@@ -37,6 +42,8 @@ const MAX_TURN_RAD: f64 = 0.05;
 pub struct RapidPlateaus {
     /// Velocity along the path.
     pub path: Option<f64>,
+    /// Velocities of each axis in rapids, whether they are on a plateau or not.
+    pub reached: [ReachedVelocity; 3],
     /// Velocity of each axis.
     pub axes: [Option<f64>; 3],
     /// Velocity of each axis on lines that are cut: first on lines where the axis was held back below its
@@ -49,25 +56,53 @@ pub struct RapidPlateaus {
     pub fastest_asked: [f64; 3],
 }
 
+/// The velocities that an axis reaches in rapids over a window, mm/s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReachedVelocity {
+    /// Highest velocity.
+    pub fastest: f64,
+    /// Velocity that no noise explains: that of a plateau, or reached in at least [`MIN_RAPIDS`] rapids.
+    pub certain: f64,
+}
+
+impl ReachedVelocity {
+    /// Returns the velocities from the highest one of each rapid (mm/s), with a standard deviation of `noise` (mm/s),
+    /// and from the highest plateau (mm/s).
+    fn of(mut fastest_of_each: Vec<f64>, noise: f64, plateau: f64) -> ReachedVelocity {
+        sort_by_number(&mut fastest_of_each, |speed| -speed);
+        let often = fastest_of_each.get(MIN_RAPIDS - 1).map_or(0.0, |speed| speed - MAX_NOISE * noise);
+        let fastest = fastest_of_each.first().copied().unwrap_or(0.0);
+        ReachedVelocity { fastest: fastest.max(plateau), certain: often.max(plateau) }
+    }
+}
+
 impl RapidPlateaus {
     /// Returns the fastest plateaus of the runs; `None` if no run has positions.
     pub fn of(runs: &[Run]) -> Option<RapidPlateaus> {
         let mut seen = RapidPlateaus::default();
-        let mut rapids = Vec::new();
+        let (mut rapids, mut each) = (Vec::new(), Vec::new());
         let with_positions = runs.iter().filter(|run| run.alignment.track.is_some());
-        let count = with_positions.map(|run| seen.take(run, &mut rapids)).count();
+        let count = with_positions.clone().map(|run| seen.take(run, &mut rapids, &mut each)).count();
         seen.path = rapids.iter().map(Vector::norm).reduce(f64::max);
         seen.axes = rates(&rapids);
+        let tracks = with_positions.filter_map(|run| run.alignment.track.as_ref());
+        let noise = tracks.map(|track| track.noise).fold(0.0, f64::max) * std::f64::consts::SQRT_2 / WINDOW_S;
+        let plateau = rapids.iter().fold(Vector::zeros(), |fastest, velocity| fastest.sup(velocity));
+        seen.reached = [0, 1, 2].map(|axis| {
+            ReachedVelocity::of(each.iter().map(|fastest| fastest[axis]).collect(), noise, plateau[axis])
+        });
         (0 < count).then_some(seen)
     }
 
-    /// Adds the plateaus of a run, and to `rapids` the velocities on those of its rapids, mm/s.
-    fn take(&mut self, run: &Run, rapids: &mut Vec<Vector>) {
+    /// Adds the plateaus of a run, to `rapids` the velocities on those of its rapids, and to `each` the highest
+    /// velocities of each of its rapids, mm/s.
+    fn take(&mut self, run: &Run, rapids: &mut Vec<Vector>, each: &mut Vec<Vector>) {
         let Some(track) = &run.alignment.track else { return };
         let window = ((WINDOW_S / track.interval).ceil() as usize).max(MIN_SAMPLES);
         let distances = run.toolpath.distances();
         self.take_fastest(run, window);
         let segment = |fix: &Fix| segment_of(fix, &distances);
+        let mut rapid = None;
         for fixes in run.alignment.fixes.windows(3 * window + 1).step_by(window.div_ceil(2)) {
             let (begin, end) = (&fixes[0], &fixes[3 * window]);
             let (Some(first), Some(last)) = (begin.sample, end.sample) else { continue };
@@ -82,6 +117,11 @@ impl RapidPlateaus {
             });
             if run.toolpath.segments.motion(index) == Motion::Rapid {
                 rapids.extend(steady(velocities));
+                if rapid.replace(index) != Some(index) {
+                    each.push(Vector::zeros());
+                }
+                let fastest = each.last_mut().expect("one of this rapid");
+                *fastest = velocities.iter().fold(*fastest, |fastest, velocity| fastest.sup(&velocity.abs()));
             } else if *run.toolpath.segments.curve(index) == Curve::Line {
                 self.add_cut(velocities, &run.toolpath.segments.at(index));
             }
@@ -135,6 +175,20 @@ impl RapidPlateaus {
         (limited.axes != machine.axes).then_some(limited)
     }
 
+    /// Returns the machine with each velocity limit of an axis that the rapids of the runs exceed raised to their
+    /// highest velocity, and the number of limits raised.
+    pub fn raised(&self, machine: &Machine) -> (Machine, usize) {
+        let (mut raised, mut count) = (machine.clone(), 0);
+        for (axis, reached) in raised.axes.iter_mut().zip(self.reached) {
+            for limit in [&mut axis.rapid, &mut axis.velocity] {
+                if *limit < (1.0 - PLATEAU) * reached.certain {
+                    (*limit, count) = (reached.fastest, count + 1);
+                }
+            }
+        }
+        (raised, count)
+    }
+
     /// Adds the plateau of the velocities in three successive windows on a line that is cut.
     fn add_cut(&mut self, velocities: [Vector; 3], line: &Segment) {
         let axis = velocities[1].iamax();
@@ -159,17 +213,21 @@ impl RapidPlateaus {
 
     /// Returns the machines whose rapids have these limits, by each axis and along the path. An axis without a
     /// plateau has its velocity limit, if any. Otherwise it is as fast as the fastest axis that showed a plateau or
-    /// was held back where it cut, since axes are alike, and at least as fast as it was cut; if there is no such
-    /// axis, the machine file gives the rate.
+    /// was held back where it cut, since axes are alike, and at least as fast as it was cut. If there is no such
+    /// axis, or if the rapids were faster without a plateau, the machine file gives the rate, and the axis is at least
+    /// as fast as it was.
     pub fn given(&self, machine: &Machine, file: &Machine) -> [Machine; 2] {
         let held_back = machine.axes.iter().map(|axis| axis.velocity).filter(|velocity| velocity.is_finite());
         let fastest = self.axes.iter().flatten().copied().chain(held_back).reduce(f64::max);
         let (mut by_axis, mut along_path) = (machine.clone(), machine.clone());
         by_axis.rapid.feedrate = f64::INFINITY;
-        for (axis, (seen, cut)) in by_axis.axes.iter_mut().zip(self.axes.into_iter().zip(self.fastest_cut)) {
+        for (at, axis) in by_axis.axes.iter_mut().enumerate() {
+            let reached = self.reached[at];
             let known = axis.velocity.is_finite().then_some(axis.velocity);
-            let alike = fastest.map(|fastest| fastest.max(cut));
-            axis.rapid = seen.or(known).or(alike).unwrap_or(axis.rapid.min(file.rapid.feedrate));
+            let alike = fastest.map(|fastest| fastest.max(self.fastest_cut[at]));
+            let alike = alike.filter(|alike| reached.certain <= *alike);
+            let of_file = axis.rapid.min(file.rapid.feedrate).max(reached.fastest);
+            axis.rapid = self.axes[at].or(known).or(alike).unwrap_or(of_file);
         }
         along_path.rapid.feedrate = self.path.unwrap_or(file.fastest_rapid());
         along_path.axes.iter_mut().for_each(|axis| axis.rapid = f64::INFINITY);
@@ -301,8 +359,26 @@ mod tests {
         machine.axes[1].velocity = 60.0;
         let given = |seen: RapidPlateaus| seen.given(&machine, &machine)[0].axes.map(|axis| axis.rapid);
         assert_eq!(given(RapidPlateaus::default()), [60.0; 3]);
+        let faster = [70.0, 50.0, 0.0].map(|certain| ReachedVelocity { certain, fastest: 75.0 });
+        let without_plateau = RapidPlateaus { reached: faster, ..RapidPlateaus::default() };
+        assert_eq!(given(without_plateau), [machine.rapid.feedrate, 60.0, 60.0]);
         let cut_faster = RapidPlateaus { fastest_cut: [80.0, 60.0, 0.0], ..RapidPlateaus::default() };
         assert_eq!(given(cut_faster), [80.0, 60.0, 60.0]);
+    }
+
+    #[test]
+    fn a_limit_that_a_run_exceeds_is_none() {
+        let mut machine = Machine::default();
+        (machine.axes[0].velocity, machine.axes[0].rapid) = (50.0, 50.0);
+        machine.axes[1].velocity = 70.1;
+        let reached = [(vec![90.0, 101.0, 80.0, 100.0, 99.0], 0.0), (vec![120.0], 70.0), (vec![], 0.0)];
+        let reached = reached.map(|(each, plateau)| ReachedVelocity::of(each, 0.1, plateau));
+        assert_eq!(reached.map(|own| own.certain), [100.0 - 0.1 * MAX_NOISE, 70.0, 0.0]);
+        let seen = RapidPlateaus { reached, ..RapidPlateaus::default() };
+        let (raised, count) = seen.raised(&machine);
+        assert_eq!(count, 2);
+        assert_eq!((raised.axes[0].velocity, raised.axes[0].rapid), (101.0, 101.0));
+        assert_eq!(raised.axes[1..], machine.axes[1..]);
     }
 
     #[test]

@@ -154,7 +154,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         return Diagnosis { elsewhere: *elsewhere, ..diagnose_on(machine, runs, progress) };
     };
     let own = diagnose_as_it_is(&shown, Some(machine), runs, progress);
-    let message = "this program shows accelerations or rapid rates that the calibration had to assume, so Truefeed took them from the recording first; changes by that are not causes";
+    let message = "this program shows accelerations or velocities that the calibration had to assume or took too low, so Truefeed took them from the recording first; changes by that are not causes";
     Diagnosis {
         elsewhere: *elsewhere,
         before: compared(machine, runs),
@@ -207,9 +207,9 @@ fn diagnose_as_it_is(
     // Drives come first where they explain the form of the path whole: they also blur its times. At times as they
     // are, no time is missing then either.
     let mut drives = form::explained(machine, runs, &library, true);
-    let start = with_all(machine, &drives);
+    let start = with_all(machine, &drives.causes);
     progress(0.1);
-    let is_in_time = drives.is_empty();
+    let is_in_time = drives.causes.is_empty();
     let in_time = match is_in_time {
         true => InTime::searched(&start, runs, &mut library, &mut |part| progress(0.1 + 0.7 * part)),
         false => InTime::default(),
@@ -220,17 +220,17 @@ fn diagnose_as_it_is(
     if is_in_time && !model_error::leaves_much(machine, &with_time, runs, !in_time.is_empty()) {
         drives = form::explained(&with_time, runs, &library, false);
     }
-    let fitted = with_all(&with_time, &drives);
+    let fitted = with_all(&with_time, &drives.causes);
     progress(0.9);
     let (before, after) = (compared(machine, runs), compared(&fitted, runs));
     let form = form::error(machine, runs).zip(form::error(&fitted, runs));
-    let mut causes = in_time.causes(&start, &drives, &fitted, runs);
-    causes.extend(drives.iter().map(|candidate| Cause {
+    let mut causes = in_time.causes(&start, &drives.causes, &fitted, runs);
+    causes.extend(drives.causes.iter().map(|candidate| Cause {
         candidate: candidate.clone(),
         seconds: 0.0,
-        form: form.map_or(0.0, |(before, after)| (before * before - after * after).max(0.0).sqrt()),
+        form: drives.removed(),
         lines: regions::all_lines(runs),
-        confidence: form.map_or(0.5, |(before, after)| 1.0 - (after / before).powi(2)),
+        confidence: drives.removed_part(),
         alike: Vec::new(),
         held_out: None,
     }));
@@ -246,7 +246,9 @@ fn diagnose_as_it_is(
     let held_out = match &in_time.excerpts {
         Some(excerpts) if !in_time.is_empty() => crossed::outside(machine, &fitted, runs, excerpts),
         Some(_) => None,
-        None => crossed::crossed(machine, &with_all(&base, &drives), &candidates(&in_time.named), runs),
+        None => {
+            crossed::crossed(machine, &with_all(&base, &drives.causes), &candidates(&in_time.named), runs)
+        }
     };
     progress(1.0);
     Diagnosis {

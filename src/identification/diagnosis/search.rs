@@ -27,7 +27,9 @@ use crate::identification::diagnosis::evidence::{assumed, with_all};
 use crate::identification::diagnosis::gates::{HeldOut, MIN_COST_REDUCTION};
 use crate::identification::diagnosis::speeds::Speeds;
 use crate::identification::diagnosis::verdict::MAX_REMAINING_PART;
-use crate::identification::diagnosis::{Candidate, Evidence, MIN_LOST_TIME_S, gates, places, regions, rests};
+use crate::identification::diagnosis::{
+    Candidate, Evidence, MIN_LOST_TIME_S, gates, places, regions, rests, standing,
+};
 use crate::identification::effects::{
     FEED_HOLD, FEED_OVERRIDE, Hypothesis, Nature, RECORDER_CLOCK, Trace, UNEQUAL_FILTERS, awaited_stops,
 };
@@ -194,7 +196,7 @@ fn refined(
     let mut refined: Vec<_> = good.iter().map(|candidate| fine.refined(base, candidate, named)).collect();
     refined.retain(|(candidate, others)| {
         let is_possible = !is_as_believed(candidate, base) && !is_at_bound(candidate);
-        is_possible && !is_looser_than_assumed(candidate, base) && is_as_close(candidate, others)
+        is_possible && !is_looser_than_calibrated(candidate, base) && is_as_close(candidate, others)
     });
     refined.sort_by(|a, b| priced(fine.runs, &[&a.0]).total_cmp(&priced(fine.runs, &[&b.0])));
     refined
@@ -384,13 +386,15 @@ fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
         && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < MAX_UNCHANGED_RATIO)
 }
 
-/// Returns `true` if a limit that the calibration had to assume is looser than assumed: then the machine file was off,
-/// and the machine did not change.
-fn is_looser_than_assumed(candidate: &Candidate, machine: &Machine) -> bool {
-    let freed = candidate.hypothesis.freed.iter().zip(&candidate.values);
+/// Returns `true` if a limit is looser than the calibration had to assume it, or, on another program than those of the
+/// calibration, looser than the machine file says: then the file was off, and the machine did not change.
+fn is_looser_than_calibrated(candidate: &Candidate, machine: &Machine) -> bool {
     let assumed = assumed(machine);
-    freed.into_iter().any(|(freed, value)| {
-        assumed.iter().any(|assumed| assumed.handle == freed.handle && assumed.start < *value)
+    let is_every_limit = standing::is_elsewhere(machine) && candidate.hypothesis.is_limit();
+    candidate.hypothesis.freed.iter().zip(&candidate.values).any(|(freed, value)| {
+        let is_assumed = assumed.iter().any(|assumed| assumed.handle == freed.handle);
+        let believed = freed.handle.get(machine).filter(|_| is_assumed || is_every_limit);
+        believed.is_some_and(|believed| believed < *value)
     })
 }
 

@@ -1,10 +1,14 @@
-//! Values that a calibration had to assume, as another program shows them.
+//! Values that a calibration had to assume or got wrong, as another program shows them.
 //!
 //! No calibrating run determined these accelerations and rapid rates, so a program that reaches them shows their
 //! value for the first time. That is no cause: a diagnosis takes them from the recording before it looks for
 //! causes, if they lower the cost by more than a cause with as many parameters must.
 //!
-//! Limits: a change of one of them after the calibration cannot be seen.
+//! An axis that the recording moves faster than its limit has no such limit: the calibration took another reason to be
+//! slow for it, such as the centripetal acceleration on its arcs. The limit is raised to the velocity that the axis
+//! holds.
+//!
+//! Limits: a change of an assumed value after the calibration cannot be seen, nor a limit that was raised.
 
 use crate::identification::calibration::RapidPlateaus;
 use crate::identification::diagnosis::evidence::{Evidence, assumed};
@@ -12,10 +16,15 @@ use crate::identification::diagnosis::gates::price;
 use crate::identification::fit::{FTOL, Run, fit};
 use crate::machine::Machine;
 
-/// Returns the machine with the values that its calibration had assumed replaced by those that the runs show. `None` if
-/// the calibration assumed none, or if the runs do not show them.
+/// Returns the machine with the values that its calibration had assumed replaced by those that the runs show, and
+/// without limits that the runs exceed. `None` if there are none of both, or if the runs do not show them.
 pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
-    let count = assumed(machine).len();
+    let seen = RapidPlateaus::of(runs);
+    let (raised, exceeded) = match &seen {
+        Some(seen) => seen.raised(&with_plateaus(machine, seen)),
+        None => (machine.clone(), 0),
+    };
+    let count = assumed(machine).len() + exceeded;
     if count == 0 {
         return None;
     }
@@ -24,16 +33,15 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
         fit(machine, runs, &assumed(machine), &evidence.whitenings, FTOL, &mut |_| {}).machine
     };
     // At the noise that the first leaves: at that of what was assumed wrongly hardly anything is seen.
-    let found = fitted(&fitted(&with_plateaus(machine, runs)));
+    let found = fitted(&fitted(&raised));
     let fine = Evidence::of(runs, &found);
     (price(runs, count) < fine.cost(machine) - fine.cost(&found)).then_some(found)
 }
 
 /// Returns the machine with each assumed rapid rate replaced by the rate that the runs hold for a while: a rate that no
 /// move reaches has no slope by which to fit it.
-fn with_plateaus(machine: &Machine, runs: &[Run]) -> Machine {
+fn with_plateaus(machine: &Machine, seen: &RapidPlateaus) -> Machine {
     let mut machine = machine.clone();
-    let Some(seen) = RapidPlateaus::of(runs) else { return machine };
     let assumed = machine.calibrated_on.assumed_rapids;
     for ((axis, seen), _) in
         machine.axes.iter_mut().zip(seen.axes).zip(assumed).filter(|(_, assumed)| *assumed)

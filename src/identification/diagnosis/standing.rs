@@ -47,8 +47,13 @@ pub fn on_these(machine: &Machine, runs: &[Run]) -> (Machine, Option<f64>) {
         return (machine, None);
     };
     machine.unexplained_time = Some(left.max(off / MAX_UNEXPLAINED_RATIO));
-    machine.form_error = Some(f64::INFINITY);
+    (machine.form_error, machine.typical_form_error) = (Some(f64::INFINITY), Some(f64::INFINITY));
     (machine, Some(off))
+}
+
+/// Returns `true` for a machine of [`on_these`] whose runs are of other programs than its calibration.
+pub fn is_elsewhere(machine: &Machine) -> bool {
+    machine.form_error == Some(f64::INFINITY)
 }
 
 impl Standing {
