@@ -269,7 +269,12 @@ pub struct Axis {
 impl Axis {
     /// Returns `true` if the axis does not follow its command exactly.
     pub fn has_drive(&self) -> bool {
-        0.0 < self.servo_lag || self.mode.is_some() || 0.0 < self.backlash || 0.0 < self.backlash_compensation
+        self.without_drive() != *self
+    }
+
+    /// Returns the axis that follows its command exactly within the same limits.
+    pub fn without_drive(self) -> Axis {
+        Axis { servo_lag: 0.0, backlash: 0.0, backlash_compensation: 0.0, mode: None, ..self }
     }
 }
 

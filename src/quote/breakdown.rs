@@ -123,7 +123,7 @@ impl<'a> Ledger<'a> {
         }
         let is_rapid = |segment: usize| self.toolpath.segments.motion(segment) == Motion::Rapid;
         let pulses = &self.plan.pulses;
-        let (mut cutting, mut rapid, mut halts) = <(RunningSum, RunningSum, f64)>::default();
+        let (mut cutting, mut rapid, mut halts) = (RunningSum::default(), RunningSum::default(), 0.0);
         let mut add = |segment: usize, time: f64| {
             let moves = if is_rapid(segment) { &mut rapid } else { &mut cutting };
             moves.add(time);

@@ -11,8 +11,8 @@
 //!                   w stays, until |z − w| would exceed b/2
 //! ```
 //!
-//! An encoder at the motor shows the compensation and no backlash, a scale at the table what the compensation leaves
-//! of the backlash.
+//! An encoder at the motor shows the compensation without the backlash. A scale at the table shows the backlash that
+//! the compensation does not cover.
 //!
 //! None of them changes the cycle time. Between two rows of the profile the command is taken as the cubic
 //! through position and velocity at both, for which the two differential equations are solved in closed form.
@@ -20,12 +20,10 @@
 //! response to the earlier motion has decayed. From there on the motion bends no more than its command, so
 //! that a dwell or a slow move costs the same however long it lasts. The error of the cubic falls with the
 //! fourth power of the spacing. Over steps that are very short against the time constant the higher terms of
-//! the cubic are only rounding, and its mean is used. An axis without lag, vibration and backlash keeps its
-//! columns bit for bit.
+//! the cubic are only rounding, and its mean is used. An axis without all of these keeps its columns bit for bit.
 //!
 //! Source: the usual models, as in vendors' manuals; the compensation as LinuxCNC makes it (control.c,
-//! `compute_screw_comp`). Limits: no friction, no coupling between axes, no
-//! feedforward.
+//! `compute_screw_comp`). Limits: no friction, no coupling between axes, no feedforward.
 
 use crate::machine::{Axis, Machine, StructuralMode};
 use crate::simulation::profile::Samples;
@@ -51,10 +49,10 @@ use crate::simulation::profile::Samples;
 /// assert!((commanded - actual.position[0][row] - 0.01 * 100.0).abs() < 1e-6, "mm: the lag at 100 mm/s");
 /// ```
 pub fn actual_motion(commanded: &Samples, machine: &Machine) -> Samples {
-    let finest = machine.axes.iter().map(longest_spacing).fold(f64::INFINITY, f64::min);
     if !machine.axes.iter().any(Axis::has_drive) {
         return commanded.clone();
     }
+    let finest = machine.axes.iter().map(longest_spacing).fold(f64::INFINITY, f64::min);
     let settling = machine.axes.iter().map(settling_time).fold(0.0, f64::max);
     let mut actual = refined(commanded, finest, settling);
     for (axis, machine_axis) in machine.axes.iter().enumerate() {

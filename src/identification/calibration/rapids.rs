@@ -28,8 +28,8 @@ const MIN_VISITS: usize = 4;
 const MIN_VISIT_INTERVAL_S: f64 = 0.2;
 /// Least number of rapids that show a velocity: a jump of the recorder may be in one.
 const MIN_RAPIDS: usize = 2;
-/// Largest deviation of a velocity by noise, in standard deviations.
-const MAX_NOISE: f64 = 4.0;
+/// Largest error of a velocity by noise, in standard deviations.
+const MAX_NOISE_DEVIATIONS: f64 = 4.0;
 /// Largest relative change of the velocity on a plateau.
 const PLATEAU: f64 = 0.005;
 
@@ -61,7 +61,8 @@ pub struct RapidPlateaus {
 pub struct ReachedVelocity {
     /// Highest velocity.
     pub fastest: f64,
-    /// Velocity that no noise explains: that of a plateau, or reached in at least [`MIN_RAPIDS`] rapids.
+    /// Highest velocity that noise cannot explain: the axis held it on a plateau, or reached it in [`MIN_RAPIDS`]
+    /// rapids.
     pub certain: f64,
 }
 
@@ -70,7 +71,8 @@ impl ReachedVelocity {
     /// and from the highest plateau (mm/s).
     fn of(mut fastest_of_each: Vec<f64>, noise: f64, plateau: f64) -> ReachedVelocity {
         sort_by_number(&mut fastest_of_each, |speed| -speed);
-        let often = fastest_of_each.get(MIN_RAPIDS - 1).map_or(0.0, |speed| speed - MAX_NOISE * noise);
+        let often =
+            fastest_of_each.get(MIN_RAPIDS - 1).map_or(0.0, |speed| speed - MAX_NOISE_DEVIATIONS * noise);
         let fastest = fastest_of_each.first().copied().unwrap_or(0.0);
         ReachedVelocity { fastest: fastest.max(plateau), certain: often.max(plateau) }
     }
@@ -87,7 +89,7 @@ impl RapidPlateaus {
         seen.axes = rates(&rapids);
         let tracks = with_positions.filter_map(|run| run.alignment.track.as_ref());
         let noise = tracks.map(|track| track.noise).fold(0.0, f64::max) * std::f64::consts::SQRT_2 / WINDOW_S;
-        let plateau = rapids.iter().fold(Vector::zeros(), |fastest, velocity| fastest.sup(velocity));
+        let plateau = fastest_of(&rapids);
         seen.reached = [0, 1, 2].map(|axis| {
             ReachedVelocity::of(each.iter().map(|fastest| fastest[axis]).collect(), noise, plateau[axis])
         });
@@ -121,7 +123,7 @@ impl RapidPlateaus {
                     each.push(Vector::zeros());
                 }
                 let fastest = each.last_mut().expect("one of this rapid");
-                *fastest = velocities.iter().fold(*fastest, |fastest, velocity| fastest.sup(&velocity.abs()));
+                *fastest = fastest.sup(&fastest_of(&velocities.map(|velocity| velocity.abs())));
             } else if *run.toolpath.segments.curve(index) == Curve::Line {
                 self.add_cut(velocities, &run.toolpath.segments.at(index));
             }
@@ -240,6 +242,11 @@ fn segment_of(fix: &Fix, distances: &[f64]) -> usize {
     distances.partition_point(|at| *at <= fix.distance).saturating_sub(1)
 }
 
+/// Returns the highest of these velocities of each axis, which have no sign.
+fn fastest_of(velocities: &[Vector]) -> Vector {
+    velocities.iter().fold(Vector::zeros(), |fastest, velocity| fastest.sup(velocity))
+}
+
 /// Returns the velocity on a plateau of a rapid, each axis without its sign; `None` if the velocity is not
 /// constant, or if its direction changes, as where two rapids blend at constant speed.
 fn steady(velocities: [Vector; 3]) -> Option<Vector> {
@@ -254,7 +261,7 @@ fn steady(velocities: [Vector; 3]) -> Option<Vector> {
 /// the axis reached it while no other axis was at its highest. A rapid that no such axis holds back is held back by
 /// the axis that moves furthest, since axes are alike.
 fn rates(rapids: &[Vector]) -> [Option<f64>; 3] {
-    let fastest = rapids.iter().fold(Vector::zeros(), |fastest, velocity| fastest.sup(velocity));
+    let fastest = fastest_of(rapids);
     let is_fastest = |velocity: &Vector, axis: usize| {
         0.0 < fastest[axis] && (1.0 - PLATEAU) * fastest[axis] <= velocity[axis]
     };
@@ -373,7 +380,7 @@ mod tests {
         machine.axes[1].velocity = 70.1;
         let reached = [(vec![90.0, 101.0, 80.0, 100.0, 99.0], 0.0), (vec![120.0], 70.0), (vec![], 0.0)];
         let reached = reached.map(|(each, plateau)| ReachedVelocity::of(each, 0.1, plateau));
-        assert_eq!(reached.map(|own| own.certain), [100.0 - 0.1 * MAX_NOISE, 70.0, 0.0]);
+        assert_eq!(reached.map(|own| own.certain), [100.0 - 0.1 * MAX_NOISE_DEVIATIONS, 70.0, 0.0]);
         let seen = RapidPlateaus { reached, ..RapidPlateaus::default() };
         let (raised, count) = seen.raised(&machine);
         assert_eq!(count, 2);

@@ -70,14 +70,18 @@ impl ContourDeviation {
     /// Returns the RMS distance between recorded and simulated positions on a machine with these drives, mm,
     /// and the delay that minimises it, s.
     pub fn error(&self, machine: &Machine) -> (f64, f64) {
-        let actual = actual_motion(&self.samples, machine);
+        self.error_of(&actual_motion(&self.samples, machine))
+    }
+
+    /// Returns the error as [`ContourDeviation::error`] does, for axes that move like this.
+    fn error_of(&self, actual: &Samples) -> (f64, f64) {
         let (mut delay, mut best) = (0.0, 0.0);
         let mut rms = f64::INFINITY;
         for _ in 0..MAX_DELAY_STEPS {
             let (mut along, mut speed, mut squares) = (0.0, 0.0, 0.0);
             let mut row = 0;
             for (time, position) in &self.rows {
-                let (forward, own, square) = self.difference(&actual, time - delay, position, &mut row);
+                let (forward, own, square) = self.difference(actual, time - delay, position, &mut row);
                 along += forward;
                 speed += own;
                 squares += square;
@@ -114,8 +118,8 @@ impl ContourDeviation {
 
     /// Returns the sum of squared deviations (mm²) of each of `count` contiguous parts of the recording.
     pub fn parts(&self, machine: &Machine, count: usize) -> Vec<f64> {
-        let (_, delay) = self.error(machine);
         let actual = actual_motion(&self.samples, machine);
+        let (_, delay) = self.error_of(&actual);
         let mut row = 0;
         let mut square =
             |(time, position): &(f64, [f64; 3])| self.difference(&actual, time - delay, position, &mut row).2;
@@ -218,21 +222,26 @@ mod tests {
         samples
     }
 
+    /// The square as a machine with these drives runs it, with each row changed.
+    fn recorded(machine: &Machine, change: impl Fn(f64, [f64; 3]) -> (f64, [f64; 3])) -> ContourDeviation {
+        let samples = square();
+        let actual = actual_motion(&samples, machine);
+        let mut row = 0;
+        let rows = (1..380).map(|row| 0.01 * f64::from(row)).map(|time| {
+            let (position, _) = actual.motion_at(time, &mut row);
+            change(time, [position.x, position.y, position.z])
+        });
+        let rows = rows.collect();
+        ContourDeviation { samples, rows, recorded: [true; 3], noise: 2e-3 }
+    }
+
     #[test]
     fn a_recorded_lag_is_found_and_a_common_delay_is_no_deviation() {
         let machine = Machine::default();
         let mut lagging = machine.clone();
         lagging.axes[0].servo_lag = 0.02;
-        let samples = square();
-        let recorded = actual_motion(&samples, &lagging);
         let delay = 0.03;
-        let mut row = 0;
-        let rows = (1..380).map(|row| 0.01 * f64::from(row)).map(|time| {
-            let (position, _) = recorded.motion_at(time, &mut row);
-            (time + delay, [position.x, position.y, position.z])
-        });
-        let rows = rows.collect();
-        let deviation = ContourDeviation { samples, rows, recorded: [true; 3], noise: 2e-3 };
+        let deviation = recorded(&lagging, |time, position| (time + delay, position));
         let (right, found) = deviation.error(&lagging);
         let (wrong, _) = deviation.error(&machine);
         assert!(right < 0.01, "{right} mm with the lag");
@@ -254,21 +263,12 @@ mod tests {
         let machine = Machine::default();
         let mut bent = machine.clone();
         bent.axes[0].backlash = 0.02;
-        let samples = square();
-        let recorded = |actual: &Machine| {
-            let actual = actual_motion(&samples, actual);
-            let mut row = 0;
-            let times = (1..380).map(|row| 0.01 * f64::from(row));
-            let rows = times.map(|time| {
-                let (position, _) = actual.motion_at(time, &mut row);
-                let off = if (1.5..1.7).contains(&time) { 3.0 } else { 0.0 };
-                (time, [position.x + off, position.y, position.z])
-            });
-            let rows = rows.collect();
-            ContourDeviation { samples: samples.clone(), rows, recorded: [true; 3], noise: 2e-3 }
+        let far_off = |time: f64, [x, y, z]: [f64; 3]| {
+            let off = if (1.5..1.7).contains(&time) { 3.0 } else { 0.0 };
+            (time, [x + off, y, z])
         };
         let ratio = |measure: &dyn Fn(&ContourDeviation) -> f64| {
-            measure(&recorded(&bent)) / measure(&recorded(&machine))
+            measure(&recorded(&bent, far_off)) / measure(&recorded(&machine, far_off))
         };
         assert!(ratio(&|one| one.error(&machine).0) < 1.01);
         assert!(2.0 < ratio(&|one| one.typical_error(&machine)));

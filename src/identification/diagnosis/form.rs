@@ -57,7 +57,7 @@ const MAX_FORM_CAUSES: usize = 3;
 /// Number of causes of form whose values are searched between their trials.
 const REFINED: usize = 2;
 
-/// A rule by which the deviations of a recording become one number.
+/// Measure of the form error over all samples of a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum FormMeasure {
     RootMeanSquare,
@@ -84,8 +84,9 @@ impl FormMeasure {
         }
     }
 
-    /// Returns the ratio of the form error with a change (mm²) to that without, over parts of the recordings without
-    /// those in which the change removes most: an error of a moment resembles any cause of form.
+    /// Returns the ratio of the form error of the machine `with` a cause to that of the machine `without`. The parts of
+    /// the recordings in which the cause removes most do not count, as many as [`MOMENTS`] of [`RECORDING_PARTS`]. The
+    /// ratio is NaN if no part remains that has an error.
     fn ratio_all_along(self, forms: &[ContourDeviation], without: &Machine, with: &Machine) -> f64 {
         let parts = |machine: &Machine| -> Vec<f64> {
             let of = |form: &ContourDeviation| match self {
@@ -195,8 +196,8 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
     found
 }
 
-/// Returns the causes that remove much of the form error, until it is below `floor` (mm) or hardly more than what the
-/// calibration left; none if it is that from the beginning.
+/// Returns the causes that remove much of the form error. The search stops once the error is below `floor` (mm) or within
+/// [`MAX_UNEXPLAINED_RATIO`] of what the calibration left; if it already is, the result is empty.
 fn searched(
     measure: FormMeasure,
     machine: &Machine,
@@ -226,7 +227,8 @@ fn searched(
         let with = candidate.hypothesis.machine(&current, &candidate.values);
         let is_worth = candidate.cost <= (1.0 - WORTH) * found.after
             && MIN_REMOVED_MM.powi(2) <= found.after.powi(2) - candidate.cost.powi(2);
-        if !is_worth || 1.0 - WORTH <= measure.ratio_all_along(forms, &current, &with) {
+        let is_all_along = || measure.ratio_all_along(forms, &current, &with) < 1.0 - WORTH;
+        if !is_worth || !is_all_along() {
             break;
         }
         found.after = candidate.cost;

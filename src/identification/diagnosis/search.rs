@@ -386,8 +386,8 @@ fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
         && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < MAX_UNCHANGED_RATIO)
 }
 
-/// Returns `true` if a limit is looser than the calibration had to assume it, or, on another program than those of the
-/// calibration, looser than the machine file says: then the file was off, and the machine did not change.
+/// Returns `true` if a limit is looser than the machine file says, and the file is more likely to be wrong than the machine
+/// to have changed: the calibration had to assume the limit, or it saw only other programs.
 fn is_looser_than_calibrated(candidate: &Candidate, machine: &Machine) -> bool {
     let assumed = assumed(machine);
     let is_every_limit = standing::is_elsewhere(machine) && candidate.hypothesis.is_limit();

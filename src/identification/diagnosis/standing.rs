@@ -51,7 +51,8 @@ pub fn on_these(machine: &Machine, runs: &[Run]) -> (Machine, Option<f64>) {
     (machine, Some(off))
 }
 
-/// Returns `true` for a machine of [`on_these`] whose runs are of other programs than its calibration.
+/// Returns `true` for a machine of [`on_these`] whose runs are of other programs than its calibration: [`on_these`] marks
+/// it by an infinite form error.
 pub fn is_elsewhere(machine: &Machine) -> bool {
     machine.form_error == Some(f64::INFINITY)
 }

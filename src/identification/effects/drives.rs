@@ -1,7 +1,7 @@
 //! Effects of the drives on the form of the path; they take no time.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
-use crate::identification::effects::parameters;
+use crate::identification::effects::parameters::{self, Adjustable};
 use crate::identification::effects::report::{AXIS, DAMPING, FREQUENCY, RECORDED_AT, TIME_CONSTANT, WIDTH};
 use crate::identification::fit::Run;
 use crate::machine::{AXES, StructuralMode};
@@ -39,18 +39,19 @@ pub fn servo_lag(effect: Effect, context: &Context) -> Vec<Hypothesis> {
 /// Returns the hypotheses of a backlash of each recorded axis, as a scale at the table shows it, and of its
 /// compensation, as an encoder at the motor does.
 pub fn backlash(effect: Effect, context: &Context) -> Vec<Hypothesis> {
-    let at_table = |axis: usize| {
-        let freed = parameters::BACKLASH[axis].tried();
-        let report = move |value| vec![AXIS.word(AXES[axis]), WIDTH.number(value)];
-        Hypothesis::single(effect, freed, ratios(2e-3, 0.2, 7), report).variant(AXES[axis])
+    let of = |parameter: Adjustable, axis: usize, recorded_at: Option<&'static str>| {
+        let report = move |value| {
+            let place = recorded_at.map(|place| RECORDED_AT.word(place));
+            [AXIS.word(AXES[axis]), WIDTH.number(value)].into_iter().chain(place).collect()
+        };
+        Hypothesis::single(effect, parameter.tried(), ratios(2e-3, 0.2, 7), report)
     };
-    let at_motor = |axis: usize| {
-        let freed = parameters::BACKLASH_COMPENSATION[axis].tried();
-        let report = move |value| vec![AXIS.word(AXES[axis]), WIDTH.number(value), RECORDED_AT.word("motor")];
-        Hypothesis::single(effect, freed, ratios(2e-3, 0.2, 7), report)
-            .variant(format!("{}, compensated", AXES[axis]))
+    let of_axis = |axis: usize| {
+        let at_table = of(parameters::BACKLASH[axis], axis, None);
+        let at_motor = of(parameters::BACKLASH_COMPENSATION[axis], axis, Some("motor"));
+        [at_table.variant(AXES[axis]), at_motor.variant(format!("{}, compensated", AXES[axis]))]
     };
-    recorded(context.runs).flat_map(|axis| [at_table(axis), at_motor(axis)]).collect()
+    recorded(context.runs).flat_map(of_axis).collect()
 }
 
 pub fn vibration(effect: Effect, context: &Context) -> Vec<Hypothesis> {

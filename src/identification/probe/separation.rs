@@ -7,7 +7,7 @@ use crate::identification::alignment::{Alignment, Mark, Method, ProgramPlace, Tr
 use crate::identification::effects::Hypothesis;
 use crate::identification::fit::{Run, Whitening};
 use crate::identification::probe::STAMP_DEVIATION_S;
-use crate::machine::{Axis, Machine};
+use crate::machine::Machine;
 use crate::simulation::drive::actual_motion;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::gcode::read;
@@ -149,7 +149,7 @@ impl ProbeTrial {
 fn without_drives(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
     for axis in &mut machine.axes {
-        *axis = Axis { servo_lag: 0.0, backlash: 0.0, backlash_compensation: 0.0, mode: None, ..*axis };
+        *axis = axis.without_drive();
     }
     machine
 }

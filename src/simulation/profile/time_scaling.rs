@@ -31,7 +31,7 @@
 use crate::machine::Machine;
 use crate::simulation::feed::{FeedPlan, Knot, RestToRest, TimeScaling, time_scaling};
 use crate::simulation::profile::{Dynamics, FilteredMotion, Moment, MotionCursor, MotionState, Profile};
-use crate::simulation::running_sum::{RunningSum, running_sum};
+use crate::simulation::running_sum::running_sum;
 use crate::simulation::toolpath::{Curve, Toolpath, Vector};
 
 /// Samples within one filter delay.
@@ -125,15 +125,11 @@ impl AccelerationLimits {
             .flat_map(|pair| self.turning_points(&pair[0], &pair[1]).into_iter().flatten().chain([pair[1]]));
         let samples: Vec<MotionSample> = [samples[0]].into_iter().chain(between).collect();
         let losses: Vec<f64> = samples.windows(2).map(|pair| pair[0].lost_until(&pair[1])).collect();
-        let slowed = samples.iter().zip(&losses).filter(|(_, loss)| **loss != 0.0);
-        let mut segments: Vec<(usize, RunningSum)> = Vec::new();
-        for (sample, loss) in slowed {
-            if segments.last().is_none_or(|(at, _)| *at != sample.segment) {
-                segments.push((sample.segment, RunningSum::default()));
-            }
-            segments.last_mut().expect("one is there").1.add(*loss);
-        }
-        let segments: Vec<(usize, f64)> = segments.iter().map(|(at, sum)| (*at, sum.value())).collect();
+        let of_segments = samples.iter().map(|sample| sample.segment).zip(losses.iter().copied());
+        let slowed: Vec<(usize, f64)> = of_segments.filter(|(_, loss)| *loss != 0.0).collect();
+        let sum = |own: &[(usize, f64)]| running_sum(own.iter().map(|(_, loss)| *loss)).last().unwrap_or(0.0);
+        let by_segment = slowed.chunk_by(|a, b| a.0 == b.0);
+        let segments: Vec<(usize, f64)> = by_segment.map(|own| (own[0].0, sum(own))).collect();
         let mut knots: Vec<Knot> = Vec::with_capacity(samples.len());
         let losts = [0.0].into_iter().chain(running_sum(losses.into_iter()));
         for (i, (sample, lost)) in samples.iter().zip(losts).enumerate() {
