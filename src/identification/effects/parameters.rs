@@ -205,8 +205,8 @@ parameters! {
     /// Velocity step of axes at corners, mm/s; its bounds differ as those of [`JUNCTION_DEVIATION`] do.
     AXIS_VELOCITY_STEP = ratio("interpolator.axis_velocity_step_mm_min", Values(0.15, 1e5))
         .in_calibration(Values(0.1, 1e3)).guessed(&[1.0, 3.0, 8.0, 25.0]);
-    /// Largest feed override for which LinuxCNC plans circles, as a ratio.
-    MAX_OVERRIDE = ratio("interpolator.max_override_percent", Values(1.0, 10.0)).guessed(&[1.0, 1.2, 1.5, 2.0]);
+    /// Largest feed override for which LinuxCNC plans circles, as a ratio; its sample configurations have 1.2 and more.
+    MAX_OVERRIDE = ratio("interpolator.max_override_percent", Values(1.0, 10.0)).guessed(&[1.2, 1.5, 2.0]);
     /// Turn from which on corners are stops, rad; less sharp ones are slowed.
     SLOWING_ANGLE = ratio("interpolator.slowing_angle_deg", Values(0.05, 3.0)).guessed(&[0.44]);
     /// Turn above which corners are full stops, rad.

@@ -42,7 +42,8 @@
 //! legs keep their whole acceleration.
 //!
 //! **Nothing**: a turn made within one servo period uses the part κ = max_k |u2 − u1|_k (sF/(h a_k) + 1) of
-//! the acceleration of an axis, twice that on an arc. If κ is below a tenth, the corner is not slowed at all,
+//! the acceleration of an axis, twice that on an arc, whose sF is at most the velocity for which √3/2 of its
+//! acceleration suffices. If κ is below a tenth, the corner is not slowed at all,
 //! and its legs lose the part κ of their acceleration. Otherwise the motion passes the corner at 0.1 sF/κ. Of
 //! circle, parabola and nothing the fastest is taken; the speed of a parabola counts as C (b1 + b2)/4.
 //!
@@ -167,8 +168,12 @@ impl<'a> Corner<'a> {
         let (u1, u2) = (before.tangent(before.length), after.tangent(0.0));
         let change = u2 - u1;
         let override_limit = machine.interpolator.max_override;
-        let requested = sides
-            .map(|side| (override_limit * side.feedrate).min(limits::axis_feedrate(side.segment, machine)));
+        // What limits the velocity on a leg whatever its feedrate is: its axes and, on an arc, its acceleration.
+        let requested = sides.map(|side| {
+            let acceleration = limits::blended_acceleration(side.segment, machine);
+            let on_arc = limits::blended_arc_feedrate(side.segment, acceleration, machine);
+            (override_limit * side.feedrate).min(limits::axis_feedrate(side.segment, machine)).min(on_arc)
+        });
         Corner {
             sides,
             machine,

@@ -82,12 +82,17 @@ pub(super) fn add_rest_to_rest(
             lowered.push((commanded.i, commanded.without_tolerance));
         }
     });
+    // The segments before which the planner stops at a corner.
+    let mut stops = Vec::new();
     if is_blended {
         blends.push(Blend::none(0.0));
         planner.lay_parabolas(feedrates, &mut blends);
         let (blended, at_corners) = planner.blended(feedrates, &blends);
         pulses.extend(blended);
         corner_feedrates.truncate(first_corner);
+        let is_stop = |corner: &usize| at_corners[*corner] == 0.0;
+        stops
+            .extend((0..at_corners.len() - 1).filter(is_stop).map(|corner| planner.range.start + corner + 1));
         corner_feedrates.extend(at_corners);
     } else if !are_final {
         let corners = &mut corner_feedrates[first_corner..];
@@ -105,9 +110,24 @@ pub(super) fn add_rest_to_rest(
             planner.add_pulses(pulses, &planner.commanded(i, planner.length(i), feedrates, corners));
         }
     }
-    let pulses = first_pulse..pulses.len();
-    phases.push(Phase::Motion(RestToRest { segments: planner.range, pulses, filter }));
+    phases.extend(motions(planner.range, stops, pulses, first_pulse, filter));
     segment_limits.end
+}
+
+/// Returns the motions along segments whose pulses begin with `first_pulse`: from rest to rest between the `stops`, each
+/// the index of the segment behind it. The next leg begins when the filters have run empty.
+fn motions(
+    segments: Range<usize>,
+    stops: Vec<usize>,
+    pulses: &Pulses,
+    first_pulse: usize,
+    filter: usize,
+) -> impl Iterator<Item = Phase> {
+    let (mut segment, mut pulse) = (segments.start, first_pulse);
+    stops.into_iter().chain([segments.end]).map(move |end| {
+        let from = (std::mem::replace(&mut segment, end), std::mem::replace(&mut pulse, pulses.before(end)));
+        Phase::Motion(RestToRest { segments: from.0..segment, pulses: from.1..pulse, filter })
+    })
 }
 
 /// Least number of corners for which a table of the corner law saves time: a corner takes 25 ns with the
