@@ -73,6 +73,7 @@ pub fn results(answers: &Value, cases: Vec<Value>, transfers: Vec<Value>) -> Val
         "clean_refused": count("clean", "refused"),
         "other_clean_with_a_name": count("other", "named"),
         "other_clean_refused": count("other", "refused"),
+        "other_clean_unknown": count("other", "unknown"),
         "changes_visible": by_outcome(true),
         "changes_not_visible": by_outcome(false),
         "false_second_causes": rate(found.iter().filter(extra).count(), found.len()),
@@ -80,6 +81,7 @@ pub fn results(answers: &Value, cases: Vec<Value>, transfers: Vec<Value>) -> Val
         "by_kind": by_kind(&cases),
         "by_program_kind": by_program_kind(&cases, &transfers),
         "transfer": errors(own(false), "error"),
+        "range": ranges(own(false)),
         "transfer_of_preset": errors(own(true), "error_of_preset"),
         "own": errors(own(true), "error"),
         "seconds_of_clean": { "median": median(seconds("clean")), "worst": largest(&seconds("clean")) },
@@ -93,6 +95,14 @@ pub fn results(answers: &Value, cases: Vec<Value>, transfers: Vec<Value>) -> Val
 fn errors<'a>(transfers: impl Iterator<Item = &'a Value>, key: &str) -> Value {
     let all: Vec<f64> = transfers.filter_map(|transfer| transfer[key].as_f64()).map(f64::abs).collect();
     json!({ "of": all.len(), "worst": largest(&all), "median": median(all) })
+}
+
+/// How many times of other programs lie within the range that the machine file states, and half its width.
+fn ranges<'a>(transfers: impl Iterator<Item = &'a Value>) -> Value {
+    let of = |transfer: &Value| Some((transfer["error"].as_f64()?, transfer["range"].as_f64()?));
+    let stated: Vec<(f64, f64)> = transfers.filter_map(of).collect();
+    let held = stated.iter().filter(|(error, half)| error.abs() <= *half).count();
+    json!({ "held": rate(held, stated.len()), "median_half_width": median(stated.iter().map(|(_, half)| *half).collect()) })
 }
 
 /// How "x % sure" agrees with what is true: over the causes named in clean runs and in changes.
@@ -191,6 +201,7 @@ pub fn page(results: &Value) -> String {
         rate_words(&results["other_clean_with_a_name"]),
     );
     row("clean runs of another program refused", rate_words(&results["other_clean_refused"]));
+    row("clean runs of another program called unknown", rate_words(&results["other_clean_unknown"]));
     for outcome in ["first", "later", "wrong", "silent", "unknown", "refused"] {
         row(&format!("visible changes: {outcome}"), rate_words(&results["changes_visible"][outcome]));
     }
@@ -211,6 +222,8 @@ pub fn page(results: &Value) -> String {
             format!("{}, worst {}, of {}", percent(&part["median"]), percent(&part["worst"]), part["of"]);
         row(&format!("{what}, median error"), figure);
     }
+    row("cycle times of another program within the range stated", rate_words(&results["range"]["held"]));
+    row("half of that range, median", percent(&results["range"]["median_half_width"]));
     for (what, key) in [("clean run", "seconds_of_clean"), ("change", "seconds_of_change")] {
         let part = |name: &str| results[key][name].as_f64().unwrap_or(0.0);
         row(

@@ -16,7 +16,7 @@ use truefeed::project::toml_from_machine;
 
 use crate::changes;
 use crate::figures;
-use crate::names::{is_right, is_right_id};
+use crate::names::{is_right, is_right_name};
 use crate::trial::ask;
 use crate::{Refusal, side_by_side};
 
@@ -212,7 +212,8 @@ fn judged(said: &Value, change: Option<&Value>) -> Value {
     let rights: Vec<bool> = causes.iter().map(|cause| is_right(kind, value, cause)).collect();
     let alike = |cause: &&Value| {
         let set = cause["indistinguishable_from"].as_array().into_iter().flatten();
-        set.filter_map(|other| other.as_str().or(other["id"].as_str())).any(|id| is_right_id(kind, id))
+        set.filter_map(|other| other.as_str().or(other["id"].as_str()))
+            .any(|name| is_right_name(kind, value, name))
     };
     let refused = report.is_null() || report["verdict"] == "not_comparable";
     let outcome = match (refused, rights.first(), report["verdict"].as_str()) {
@@ -256,16 +257,22 @@ fn transfers(
         let ran = name(program);
         let recorded = program["clean_seconds"].as_f64().unwrap_or(f64::NAN);
         let path = text(&folder.join(ran).join("program.ngc"));
-        let error = |machine: &Path, kept: PathBuf| -> Result<Option<f64>, Refusal> {
+        let predicted = |machine: &Path, kept: PathBuf| -> Result<(Option<f64>, Value), Refusal> {
             let said = ask(&bench.truefeed, &["predict", &path, "--machine", &text(machine)], &kept)?;
-            Ok(said["report"]["runs"][0]["cycle_time_s"].as_f64().map(|time| time / recorded - 1.0))
+            let run = &said["report"]["runs"][0];
+            let error = run["cycle_time_s"].as_f64().map(|time| time / recorded - 1.0);
+            Ok((
+                error,
+                run["range"]["percent"].as_f64().map_or(Value::Null, |percent| json!(percent / 100.0)),
+            ))
         };
-        let before = error(preset, reports.join(ran).join("predict-preset.json"))?;
+        let (before, _) = predicted(preset, reports.join(ran).join("predict-preset.json"))?;
         for of in others(programs, program).chain([program]).filter(|of| calibrated(of)).map(name) {
             let place = reports.join(of);
-            let after = error(&place.join("machine.toml"), place.join(format!("predict-{ran}.json")))?;
+            let kept = place.join(format!("predict-{ran}.json"));
+            let (after, range) = predicted(&place.join("machine.toml"), kept)?;
             all.push(json!({ "program": ran, "program_kind": program["kind"], "calibrated_on": of,
-                             "own": of == ran, "error": after, "error_of_preset": before }));
+                             "own": of == ran, "error": after, "range": range, "error_of_preset": before }));
         }
     }
     Ok(all)

@@ -1,6 +1,6 @@
 //! Which names count as right for which change: the one table by which diagnoses are judged.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// A change, and the causes that say what it was. The limit of an axis must also be that of the right axis.
 const RIGHT: [(&str, &[&str]); 17] = [
@@ -39,7 +39,8 @@ pub fn is_right(kind: &str, value: &Value, cause: &Value) -> bool {
     known && axis.is_none_or(|axis| named.is_none_or(|named| named == axis))
 }
 
-/// Whether the cause is listed as what another cannot be told from, by its id alone.
-pub fn is_right_id(kind: &str, id: &str) -> bool {
-    RIGHT.iter().any(|(name, ids)| *name == kind && ids.contains(&id))
+/// Whether the cause is listed as what another cannot be told from: by its id, and its axis if that is told.
+pub fn is_right_name(kind: &str, value: &Value, name: &str) -> bool {
+    let (id, axis) = name.split_once(" (").map_or((name, None), |(id, axis)| (id, axis.strip_suffix(')')));
+    is_right(kind, value, &json!({ "id": id, "parameters": { "axis": axis } }))
 }
