@@ -44,6 +44,8 @@ pub enum Access {
         max: f64,
         /// `true` for whole numbers.
         whole: bool,
+        /// Least number of values.
+        least: usize,
         /// Largest number of values.
         most: usize,
         /// Returns the values; `None` if the machine has none.
@@ -122,7 +124,7 @@ pub(in crate::machine) const fn extent(
     get: fn(&Machine) -> Option<Vec<f64>>,
     set: fn(&mut Machine, Vec<f64>),
 ) -> Access {
-    Access::List { unit, min, max, whole: false, most: 2, get, set }
+    Access::List { unit, min, max, whole: false, least: 1, most: 2, get, set }
 }
 
 /// Bounds of jerks.

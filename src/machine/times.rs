@@ -132,6 +132,11 @@ impl SpindleState {
     /// A spindle at rest.
     pub const AT_REST: SpindleState = SpindleState { direction: SpindleDirection::Standing, speed: 0.0 };
 
+    /// Returns `true` if the spindle does not turn.
+    pub fn is_at_rest(self) -> bool {
+        self.signed_speed() == 0.0
+    }
+
     /// Returns the speed, rpm; positive as by M3.
     pub fn signed_speed(self) -> f64 {
         match self.direction {

@@ -14,6 +14,9 @@
 //! below for the length and acceleration of the segment, F its feedrate, v the velocity that it reaches, and
 //! D the filter delay.
 //!
+//! The time of an M-word that no calibrating program contains is that of the machine file before the calibration. It may
+//! be anything from nothing to twice that: U = 1, and the time of the word is added to both times of the fraction.
+//!
 //! A feed is faster if it moves an axis faster than any move of the runs, feed or rapid: if the runs recorded
 //! positions, an axis can cut as fast as it moved in rapid. A rapid is faster if an axis whose full rapid
 //! rate no run showed travels a distance w (mm) that is long enough to exceed V (mm/s), its highest velocity
@@ -24,10 +27,13 @@
 //! U = t(V) / t(R) − 1,  t(v) = w / v + v / A        R velocity reached in the simulation, at most √(A w)
 //! ```
 
+use std::collections::BTreeSet;
+
 use crate::machine::{CalibratedOn, Extent, Machine};
 use crate::simulation::feed::limits::{acceleration, largest_share, requested_feedrate};
+use crate::simulation::feed::stop_time;
 use crate::simulation::ordered::sort_by_number;
-use crate::simulation::toolpath::{Curve, Motion, Segment, Toolpath};
+use crate::simulation::toolpath::{Curve, Motion, Segment, Stop, Toolpath};
 
 /// Additional relative error of the time of features that were not shown. Faster feeds have longer ramps,
 /// whose acceleration slow feeds hardly show. The parameters of the other laws remain valid beyond the
@@ -62,16 +68,19 @@ pub enum UnshownFeature {
     Feeds,
     /// Faster rapids.
     Rapids,
+    /// M-words.
+    MWords,
 }
 
 impl UnshownFeature {
     /// All features.
-    pub const ALL: [UnshownFeature; 5] = [
+    pub const ALL: [UnshownFeature; 6] = [
         UnshownFeature::Corners,
         UnshownFeature::Arcs,
         UnshownFeature::Blocks,
         UnshownFeature::Feeds,
         UnshownFeature::Rapids,
+        UnshownFeature::MWords,
     ];
 
     /// Returns the additional error of the time of the feature, as a part of that time.
@@ -87,6 +96,7 @@ impl UnshownFeature {
             UnshownFeature::Blocks => "shorter blocks",
             UnshownFeature::Feeds => "faster feeds",
             UnshownFeature::Rapids => "faster rapids",
+            UnshownFeature::MWords => "M words such as a tool change",
         }
     }
 }
@@ -103,7 +113,9 @@ pub struct TimeRange {
 /// Returns the extents of the features that programs show.
 pub fn features_of<'a>(toolpaths: impl IntoIterator<Item = &'a Toolpath>) -> CalibratedOn {
     let mut asked = CalibratedOn::default();
+    let mut m_codes = BTreeSet::new();
     for toolpath in toolpaths {
+        m_codes.extend(toolpath.stops.iter().filter_map(|stop| stop.cause.m_code()));
         for segment in 0..toolpath.segments.len() {
             add(&mut asked, toolpath, segment);
         }
@@ -111,6 +123,7 @@ pub fn features_of<'a>(toolpaths: impl IntoIterator<Item = &'a Toolpath>) -> Cal
             asked.travels.push(travel(toolpath));
         }
     }
+    asked.m_codes = Some(m_codes.into_iter().collect());
     asked
 }
 
@@ -133,14 +146,14 @@ fn travel(toolpath: &Toolpath) -> [f64; 4] {
     })
 }
 
-/// Returns the possible error of a program's time, as a part of it, on a machine calibrated on other
+/// Returns the possible error of the time of a program's motion, as a part of it, on a machine calibrated on other
 /// programs; `None` for programs of the calibration, and on machines without this value.
 pub fn error_beyond_calibration(toolpath: &Toolpath, machine: &Machine) -> Option<f64> {
     let travels = &machine.calibrated_on.travels;
     if travels.is_empty() || is_among(travels, toolpath) {
         return None;
     }
-    range(toolpath, machine).map(|range| range.ratio)
+    of_motion(toolpath, machine).map(|found| found.range().ratio)
 }
 
 fn add(asked: &mut CalibratedOn, toolpath: &Toolpath, segment: usize) {
@@ -315,12 +328,37 @@ fn unshown_feature(toolpath: &Toolpath, on: &CalibratedOn, segment: usize) -> Op
     }
 }
 
-/// Returns the range of a program; `None` on a machine that was not calibrated.
-pub fn range(toolpath: &Toolpath, machine: &Machine) -> Option<TimeRange> {
-    let on = &machine.calibrated_on;
-    let own = on.range?;
-    let mut seconds = [0.0; UnshownFeature::ALL.len()];
-    let (mut whole, mut off) = (0.0, 0.0);
+/// The parts of a program's time that the runs did not show.
+struct UnshownTimes {
+    /// Range on other programs, as a part of the time.
+    own: f64,
+    /// Time, s.
+    whole: f64,
+    /// Largest error of the parts, s.
+    off: f64,
+    /// Time of each feature, s.
+    seconds: [f64; UnshownFeature::ALL.len()],
+}
+
+impl UnshownTimes {
+    fn add(&mut self, Unshown { feature, lasts, error }: Unshown) {
+        self.seconds[feature as usize] += lasts;
+        self.off += error * lasts;
+    }
+
+    fn range(self) -> TimeRange {
+        let whole = self.whole.max(1e-9);
+        let shares = UnshownFeature::ALL.into_iter().zip(self.seconds.map(|own| own / whole));
+        let mut unshown: Vec<(UnshownFeature, f64)> = shares.filter(|(_, share)| 0.0 < *share).collect();
+        sort_by_number(&mut unshown, |one| -one.1);
+        TimeRange { ratio: self.own + self.off / whole, unshown }
+    }
+}
+
+/// Returns what the runs did not show of the motion of a program; `None` on a machine that was not calibrated.
+fn of_motion(toolpath: &Toolpath, machine: &Machine) -> Option<UnshownTimes> {
+    let own = machine.calibrated_on.range?;
+    let mut found = UnshownTimes { own, whole: 0.0, off: 0.0, seconds: [0.0; UnshownFeature::ALL.len()] };
     for segment in 0..toolpath.segments.len() {
         let length = toolpath.segments.length(segment);
         let lasts = match toolpath.segments.motion(segment) {
@@ -329,14 +367,25 @@ pub fn range(toolpath: &Toolpath, machine: &Machine) -> Option<TimeRange> {
         };
         let unshown = unshown(toolpath, machine, segment, lasts)
             .unwrap_or_else(|| unshown_corners(toolpath, machine, segment, lasts));
-        whole += lasts.max(unshown.lasts);
-        seconds[unshown.feature as usize] += unshown.lasts;
-        off += unshown.error * unshown.lasts;
+        found.whole += lasts.max(unshown.lasts);
+        found.add(unshown);
     }
-    let shares = UnshownFeature::ALL.into_iter().zip(seconds.map(|own| own / whole.max(1e-9)));
-    let mut unshown: Vec<(UnshownFeature, f64)> = shares.filter(|(_, share)| 0.0 < *share).collect();
-    sort_by_number(&mut unshown, |one| -one.1);
-    Some(TimeRange { ratio: own + off / whole.max(1e-9), unshown })
+    Some(found)
+}
+
+/// Returns the range of a program; `None` on a machine that was not calibrated.
+pub fn range(toolpath: &Toolpath, machine: &Machine) -> Option<TimeRange> {
+    let mut found = of_motion(toolpath, machine)?;
+    let shown = &machine.calibrated_on.m_codes;
+    let is_unshown = |stop: &&Stop| {
+        stop.cause.m_code().zip(shown.as_ref()).is_some_and(|(code, shown)| !shown.contains(&code))
+    };
+    for stop in toolpath.stops.iter().filter(is_unshown) {
+        let lasts = stop_time(stop, machine);
+        found.whole += lasts;
+        found.add(Unshown { feature: UnshownFeature::MWords, lasts, error: MAX_UNSHOWN_ERROR });
+    }
+    Some(found.range())
 }
 
 #[cfg(test)]

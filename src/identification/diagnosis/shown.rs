@@ -1,8 +1,8 @@
 //! Values that a calibration had to assume or got wrong, as another program shows them.
 //!
-//! No calibrating run determined these accelerations and rapid rates, so a program that reaches them shows their
-//! value for the first time. That is no cause: a diagnosis takes them from the recording before it looks for
-//! causes, if they lower the cost by more than a cause with as many parameters must.
+//! No calibrating run determined these accelerations and rapid rates, and none had a tool change, say, so a program that
+//! reaches them shows their value for the first time. That is no cause: a diagnosis takes them from the recording
+//! before it looks for causes, if they lower the cost by more than a cause with as many parameters must.
 //!
 //! An axis that the recording moves faster than its limit has no such limit: the calibration took another reason to be
 //! slow for it, such as the centripetal acceleration on its arcs. The limit is raised to the velocity that the axis
@@ -10,32 +10,45 @@
 //!
 //! Limits: a change of an assumed value after the calibration cannot be seen, nor a limit that was raised.
 
-use crate::identification::calibration::RapidPlateaus;
+use crate::identification::calibration::{RapidPlateaus, guesses};
+use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::evidence::{Evidence, assumed};
 use crate::identification::diagnosis::gates::price;
-use crate::identification::fit::{FTOL, Run, fit};
+use crate::identification::fit::{FTOL, FreeParameter, Run, fit};
 use crate::machine::Machine;
 
 /// Returns the machine with the values that its calibration had assumed replaced by those that the runs show, and
 /// without limits that the runs exceed. `None` if there are none of both, or if the runs do not show them.
 pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
     let seen = RapidPlateaus::of(runs);
-    let (raised, exceeded) = match &seen {
+    let (mut raised, exceeded) = match &seen {
         Some(seen) => seen.raised(&with_plateaus(machine, seen)),
         None => (machine.clone(), 0),
     };
-    let count = assumed(machine).len() + exceeded;
+    let waits = assumed_waits(machine, runs);
+    waits.iter().for_each(|wait| wait.apply(&mut raised, wait.start));
+    let count = assumed(machine).len() + exceeded + waits.len();
     if count == 0 {
         return None;
     }
     let fitted = |machine: &Machine| {
         let evidence = Evidence::of(runs, machine);
-        fit(machine, runs, &assumed(machine), &evidence.whitenings, FTOL, &mut |_| {}).machine
+        let wait = |wait: &FreeParameter| wait.starting_at(wait.handle.get(machine).unwrap_or(wait.start));
+        let freed: Vec<FreeParameter> = assumed(machine).into_iter().chain(waits.iter().map(wait)).collect();
+        fit(machine, runs, &freed, &evidence.whitenings, FTOL, &mut |_| {}).machine
     };
     // At the noise that the first leaves: at that of what was assumed wrongly hardly anything is seen.
     let found = fitted(&fitted(&raised));
     let fine = Evidence::of(runs, &found);
     (price(runs, count) < fine.cost(machine) - fine.cost(&found)).then_some(found)
+}
+
+/// Returns the waits at the M-words that no calibrating program has, each with its first guess.
+fn assumed_waits(machine: &Machine, runs: &[Run]) -> Vec<FreeParameter> {
+    let Some(shown) = &machine.calibrated_on.m_codes else { return Vec::new() };
+    let compared: Vec<Comparison> = runs.iter().map(|run| run.compared(machine)).collect();
+    let all = guesses(machine, runs, &compared).into_iter();
+    all.filter(|(kind, _)| !shown.contains(&kind.m_code())).map(|(kind, guess)| kind.freed(guess)).collect()
 }
 
 /// Returns the machine with each assumed rapid rate replaced by the rate that the runs hold for a while: a rate that no

@@ -1,7 +1,7 @@
 //! Kinds of stops whose time is one number of the machine.
 
 use crate::identification::fit::FreeParameter;
-use crate::machine::{Handle, Machine, SpindleDirection, SpindleState};
+use crate::machine::{Handle, Machine};
 use crate::simulation::toolpath::StopCause;
 
 /// Longest wait, s: a longer one is an operator's pause and not a property of the machine.
@@ -25,17 +25,22 @@ pub enum StopKind {
 impl StopKind {
     /// Returns the kind of a stop; `None` if its time is programmed or follows from motion.
     pub fn of(cause: &StopCause) -> Option<StopKind> {
-        match cause {
-            StopCause::ToolChange { .. } => Some(StopKind::ToolChange),
-            StopCause::Spindle { to, code: Some(_), .. } if to.speed == 0.0 || is_standing(to) => {
-                Some(StopKind::SpindleStop)
-            }
-            StopCause::Spindle { code: Some(_), .. } => Some(StopKind::SpindleStart),
-            StopCause::MCode { code } => Some(StopKind::MWord(*code)),
-            StopCause::Dwell { .. }
-            | StopCause::Rotary { .. }
-            | StopCause::SameTool { .. }
-            | StopCause::Spindle { code: None, .. } => None,
+        let code = cause.m_code()?;
+        Some(match cause {
+            StopCause::MCode { .. } => StopKind::MWord(code),
+            StopCause::ToolChange { .. } => StopKind::ToolChange,
+            StopCause::Spindle { to, .. } if to.is_at_rest() => StopKind::SpindleStop,
+            _ => StopKind::SpindleStart,
+        })
+    }
+
+    /// Returns the M-word of [`StopCause::m_code`].
+    pub fn m_code(self) -> u32 {
+        match self {
+            StopKind::ToolChange | StopKind::FirstToolChange => 6,
+            StopKind::SpindleStart => 3,
+            StopKind::SpindleStop => 5,
+            StopKind::MWord(code) => code,
         }
     }
 
@@ -52,12 +57,7 @@ impl StopKind {
 
     /// Returns the word that asks for a stop of this kind.
     pub fn word(self) -> String {
-        match self {
-            StopKind::ToolChange | StopKind::FirstToolChange => "M6".to_string(),
-            StopKind::SpindleStart => "M3".to_string(),
-            StopKind::SpindleStop => "M5".to_string(),
-            StopKind::MWord(code) => format!("M{code}"),
-        }
+        format!("M{}", self.m_code())
     }
 
     /// Returns the number of words that the PLC answers: for a tool change T and M6.
@@ -81,8 +81,4 @@ impl StopKind {
     pub fn freed(self, start: f64) -> FreeParameter {
         FreeParameter::wait(self.handle(), start, (0.0, LONGEST_WAIT_S)).linear()
     }
-}
-
-fn is_standing(spin: &SpindleState) -> bool {
-    spin.direction == SpindleDirection::Standing
 }

@@ -6,7 +6,7 @@ use crate::units::Unit;
 
 /// Returns the access to a set of axes as numbers, X as 1.
 const fn axes(get: fn(&Machine) -> Option<Vec<f64>>, set: fn(&mut Machine, Vec<f64>)) -> Access {
-    Access::List { unit: Unit::Number, min: 1.0, max: 3.0, whole: true, most: 3, get, set }
+    Access::List { unit: Unit::Number, min: 1.0, max: 3.0, whole: true, least: 1, most: 3, get, set }
 }
 
 /// Returns the set of axes with these numbers.
@@ -21,7 +21,7 @@ fn numbers_of(axes: [bool; 3]) -> Option<Vec<f64>> {
 }
 
 /// The rows, in the order of forms and files; an edit of the motion clears them.
-pub const CALIBRATED: [Parameter; 15] = [
+pub const CALIBRATED: [Parameter; 16] = [
     row!("calibration.cycle_time_error_percent", "Error of the cycle time", optional Percent (0.0, 100.0) [cycle_time_error],
         "By how much the cycle time was off when these numbers were calibrated; the uncertainty of a quote. Empty: unknown. Editing the motion empties it."),
     row!("calibration.unexplained_percent", "Time left unexplained", optional Percent (0.0, 1000.0) [unexplained_time],
@@ -49,6 +49,7 @@ pub const CALIBRATED: [Parameter; 15] = [
             min: 0.0,
             max: 1e6,
             whole: false,
+            least: 1,
             most: 3,
             get: |m| m.calibrated_on.rapids.map(|rapids| rapids.to_vec()),
             set: |m, v| m.calibrated_on.rapids = <[f64; 3]>::try_from(v).ok(),
@@ -63,6 +64,7 @@ pub const CALIBRATED: [Parameter; 15] = [
             min: 0.0,
             max: 1e6,
             whole: false,
+            least: 1,
             most: 3,
             get: |m| m.calibrated_on.velocities.map(|velocities| velocities.to_vec()),
             set: |m, v| m.calibrated_on.velocities = <[f64; 3]>::try_from(v).ok(),
@@ -77,6 +79,7 @@ pub const CALIBRATED: [Parameter; 15] = [
             min: 0.0,
             max: 1e12,
             whole: false,
+            least: 1,
             most: 4000,
             get: |m| Some(m.calibrated_on.travels.concat()).filter(|list| !list.is_empty()),
             set: |m, v| m.calibrated_on.travels = v.as_chunks().0.to_vec(),
@@ -101,6 +104,26 @@ pub const CALIBRATED: [Parameter; 15] = [
         ),
     },
     Parameter {
+        key: "calibration.m_codes",
+        label: "M words calibrated on",
+        doc: "M words of the calibrating programs: 6 for a tool change, 3 and 5 for the start and the stop of the spindle. The times of all others come from the machine file before: they make a quote less certain, and a diagnosis of another program takes them from the recording first. Empty: unknown.",
+        access: Access::List {
+            unit: Unit::Number,
+            min: 0.0,
+            max: 9999.0,
+            whole: true,
+            least: 0,
+            most: 1000,
+            get: |m| {
+                m.calibrated_on
+                    .m_codes
+                    .as_ref()
+                    .map(|codes| codes.iter().map(|code| f64::from(*code)).collect())
+            },
+            set: |m, v| m.calibrated_on.m_codes = Some(v.into_iter().map(|code| code as u32).collect()),
+        },
+    },
+    Parameter {
         key: "calibration.tolerances_mm",
         label: "Tolerances of that error",
         doc: "The error of the cycle time holds at these contour tolerances only. Empty: at the contour tolerance.",
@@ -109,6 +132,7 @@ pub const CALIBRATED: [Parameter; 15] = [
             min: TOLERANCE_BOUNDS_MM.0,
             max: TOLERANCE_BOUNDS_MM.1,
             whole: false,
+            least: 1,
             most: 20,
             get: |m| Some(m.calibrated_at.clone()).filter(|list| !list.is_empty()),
             set: |m, v| m.calibrated_at = v,

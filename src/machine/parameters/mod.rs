@@ -120,6 +120,7 @@ const GENERAL: [Parameter; 28] = [
             min: TIME_CONSTANT_BOUNDS_S.0,
             max: TIME_CONSTANT_BOUNDS_S.1,
             whole: false,
+            least: 1,
             most: 4,
             get: |m| match &m.interpolator.time_constants {
                 TimeConstants::Unequal(list) => Some(list.clone()),

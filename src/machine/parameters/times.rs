@@ -19,7 +19,8 @@ const fn words(
     get: fn(&Machine) -> Option<Vec<f64>>,
     set: fn(&mut Machine, Vec<f64>),
 ) -> Parameter {
-    let access = Access::List { unit: Unit::Number, min: 0.0, max: 9999.0, whole: true, most: 20, get, set };
+    let access =
+        Access::List { unit: Unit::Number, min: 0.0, max: 9999.0, whole: true, least: 1, most: 20, get, set };
     Parameter { key, label, doc, access }
 }
 

@@ -5,7 +5,7 @@ use crate::project::TextFault;
 use crate::units::Unit;
 
 /// Keys of a machine's calibration: its errors and programs.
-pub const CALIBRATION_KEYS: [&str; 15] = [
+pub const CALIBRATION_KEYS: [&str; 16] = [
     "calibration.cycle_time_error_percent",
     "calibration.unexplained_percent",
     "calibration.form_error_mm",
@@ -20,6 +20,7 @@ pub const CALIBRATION_KEYS: [&str; 15] = [
     "calibration.travels_mm",
     "calibration.assumed_accelerations",
     "calibration.assumed_rapids",
+    "calibration.m_codes",
     "calibration.tolerances_mm",
 ];
 
@@ -81,9 +82,9 @@ pub fn set(machine: &mut Machine, key: &str, written: WrittenValue) -> Result<()
         (Access::Number { set, .. }, WrittenValue::Empty) if !REQUIRED_KEYS.contains(&key) => {
             set(machine, None)
         }
-        (Access::List { unit, min, max, whole, most, set, .. }, WrittenValue::List(values)) => {
-            if values.is_empty() || *most < values.len() {
-                return expected(format!("one to {most} numbers"));
+        (Access::List { unit, min, max, whole, least, most, set, .. }, WrittenValue::List(values)) => {
+            if !(*least..=*most).contains(&values.len()) {
+                return expected(format!("{least} to {most} numbers"));
             }
             for &value in &values {
                 within(value, *min, *max, unit.symbol())?;

@@ -327,15 +327,19 @@ fn turn_delay(machine: &Machine) -> f64 {
 }
 
 fn wait(stop: &Stop, machine: &Machine) -> Wait {
-    let duration = match stop.cause {
+    Wait { duration: stop_time(stop, machine), cause: stop.cause, line: stop.line }
+}
+
+/// Returns the time of a stop by itself, s: the first tool change, and words that wait for the spindle, may differ.
+pub fn stop_time(stop: &Stop, machine: &Machine) -> f64 {
+    match stop.cause {
         StopCause::Dwell { seconds } => seconds,
         StopCause::Rotary { rotation, rate } => limits::rotary_time(&rotation, rate, machine),
         StopCause::ToolChange { tool } => machine.times.of_tool_change(tool),
         StopCause::SameTool { .. } => 0.0,
         StopCause::Spindle { from, to, code } => machine.times.of_spindle(from, to, code),
         StopCause::MCode { code } => machine.times.of_m_code(code),
-    };
-    Wait { duration, cause: stop.cause, line: stop.line }
+    }
 }
 
 /// Returns `true` if the machine stops before the segment `next` without a programmed stop.

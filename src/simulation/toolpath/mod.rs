@@ -147,6 +147,20 @@ impl StopCause {
             _ => None,
         }
     }
+
+    /// Returns the M-word whose time the machine has: 6 for a tool change, 3 and 5 for any word that starts and stops
+    /// the spindle; `None` if the time is programmed or follows from motion.
+    pub fn m_code(self) -> Option<u32> {
+        match self {
+            StopCause::ToolChange { .. } => Some(6),
+            StopCause::Spindle { to, code: Some(_), .. } => Some(if to.is_at_rest() { 5 } else { 3 }),
+            StopCause::MCode { code } => Some(code),
+            StopCause::Dwell { .. }
+            | StopCause::Rotary { .. }
+            | StopCause::SameTool { .. }
+            | StopCause::Spindle { code: None, .. } => None,
+        }
+    }
 }
 
 /// A full stop between two segments.
