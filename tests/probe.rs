@@ -181,9 +181,19 @@ fn what_cannot_be_separated_is_refused_with_a_reason() {
     assert!(matches!(refused("corner_tolerence", "backlash"), ProbeError::Unknown { nearest, .. }
         if nearest == "corner_tolerance"));
     assert!(matches!(refused("backlash", "backlash"), ProbeError::Same(_)));
+    assert!(matches!(refused("axis_velocity_limit (X)", "axis_velocity_limit (x)"), ProbeError::Same(_)));
     assert!(matches!(refused("feed_hold", "backlash"), ProbeError::Unprovoked { .. }));
     let mut one_filter = machine.clone();
     one_filter.interpolator.filters = 1;
     let refused = probe_between(&one_filter, ["unequal_filters", "backlash"]).expect_err("refused");
     assert!(matches!(refused, ProbeError::Hidden("unequal_filters")), "{refused}");
+}
+
+#[test]
+fn a_limit_is_told_from_that_of_another_axis() {
+    let machine = machine("[axis.x]\nvelocity_mm_min = 3000\n[axis.y]\nvelocity_mm_min = 3000\n");
+    let probe =
+        probe_between(&machine, ["axis_velocity_limit (X)", "axis_velocity_limit (Y)"]).expect("they differ");
+    assert!(probe.summary[1].contains("axis_velocity_limit (Y)"), "{:?}", probe.summary);
+    holds_the_laws(&machine, &probe);
 }

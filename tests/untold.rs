@@ -2,12 +2,13 @@
 
 use truefeed::identification::alignment::{Alignment, align};
 use truefeed::identification::calibration::calibrate;
-use truefeed::identification::diagnosis::{Diagnosis, ModelError, diagnose};
+use truefeed::identification::diagnosis::{Diagnosis, ModelError, Verdict, diagnose};
 use truefeed::identification::fit::Run;
 use truefeed::identification::measured::calibrated_on;
 use truefeed::identification::recording;
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
+use truefeed::quote::{UnshownFeature, range};
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::Profile;
@@ -155,6 +156,47 @@ fn a_rapid_that_no_run_showed_is_taken_from_the_recording_and_is_no_cause() {
     let found = diagnosis.calibrated.expect("the rapids are taken from the recording");
     let rapids = found.axes.each_ref().map(|axis| axis.rapid);
     assert!(rapids[..2].iter().all(|rapid| (rapid / 50.0 - 1.0).abs() < 0.01), "{rapids:?} mm/s");
+}
+
+#[test]
+fn a_tool_change_that_no_run_had_is_taken_from_the_recording_and_widens_the_range() {
+    let machine = calibrated(&rows('Y'));
+    let mut quick = truth();
+    quick.times.tool_change = 0.4;
+    assert!(1.0 < machine.times.tool_change, "{} s from the file before", machine.times.tool_change);
+    let program = rows('X').replace("G0 X0 Z0\n", "G0 X0 Z0\nT2 M6\n");
+    let [with, without] = [program.as_str(), &rows('X')]
+        .map(|program| range(&traced(program), &machine).expect("the machine was calibrated"));
+    assert!(with.unshown.iter().any(|(feature, _)| *feature == UnshownFeature::MWords), "{with:?}");
+    let lasts = simulate(&traced(&program), &machine).cycle_time();
+    assert!(machine.times.tool_change - 0.4 < with.ratio * lasts, "{with:?}");
+    assert!(without.unshown.iter().all(|(feature, _)| *feature != UnshownFeature::MWords), "{without:?}");
+
+    let diagnosis = diagnosed(&machine, &program, &quick);
+    assert!(diagnosis.causes.is_empty(), "{:?}", diagnosis.causes);
+    assert_eq!(diagnosis.verdict, Verdict::NothingMissing);
+    let found = diagnosis.calibrated.expect("the time is taken from the recording").times.tool_change;
+    assert!((found - 0.4).abs() < 0.01, "{found} s");
+}
+
+/// Moves along which X is always a little faster than Y, so that a limit of either slows them alike.
+#[test]
+fn two_axes_that_always_move_together_are_not_told_apart() {
+    let diagonals: String = (1..12)
+        .map(|at| format!("G1 X{0} Y{1} F900\nZ-{at}\nG0 X0 Y0\nZ0\n", 26 * (1 + at % 3), 25 * (1 + at % 3)))
+        .collect();
+    let program = format!("G21 G90\nG0 Z1\n{diagonals}M30\n");
+    let machine = calibrated(&program);
+    let mut changed = truth();
+    let limit = 0.8 * machine.axes[1].rapid.min(machine.axes[0].rapid * 25.0 / 26.0);
+    (changed.axes[1].velocity, changed.axes[1].rapid) = (limit, limit);
+    let diagnosis = diagnosed(&machine, &program, &changed);
+    let [cause] = &diagnosis.causes[..] else { panic!("{:?}", diagnosis.causes) };
+    assert_eq!(cause.candidate.hypothesis.effect.id, "axis_velocity_limit");
+    let other = if cause.candidate.hypothesis.axis() == Some('X') { "Y" } else { "X" };
+    assert!(cause.alike.contains(&format!("axis_velocity_limit ({other})")), "{:?}", cause.alike);
+    assert!(cause.confidence <= 0.5, "{}", cause.confidence);
+    assert_eq!(diagnosis.verdict, Verdict::Ambiguous);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::identification::diagnosis::gates::HeldOut;
 pub struct AcceptedCause {
     /// The cause with its values.
     pub candidate: Candidate,
-    /// Ids of the effects that fit the runs as well as the cause.
+    /// Ids of the effects that fit the runs as well as the cause, such as `axis_velocity_limit (Y)` beside a limit of X.
     pub alike: Vec<String>,
     /// Result in the sections to which the cause was not fitted; `None` if they do not decide.
     pub held_out: Option<HeldOut>,

@@ -100,7 +100,7 @@ pub struct Cause {
     pub lines: Vec<(u32, u32)>,
     /// Confidence, 0 to 1.
     pub confidence: f64,
-    /// Ids of the effects that fit these runs as well as the cause.
+    /// Ids of the effects that fit these runs as well as the cause, such as `axis_velocity_limit (Y)` beside a limit of X.
     pub alike: Vec<String>,
     /// Result in the sections to which the cause was not fitted; `None` if they do not decide.
     pub held_out: Option<HeldOut>,
@@ -154,7 +154,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         return Diagnosis { elsewhere: *elsewhere, ..diagnose_on(machine, runs, progress) };
     };
     let own = diagnose_as_it_is(&shown, Some(machine), runs, progress);
-    let message = "this program shows accelerations or velocities that the calibration had to assume or took too low, so Truefeed took them from the recording first; changes by that are not causes";
+    let message = "this program shows accelerations, velocities or times of M words that the calibration had to assume or took too low, so Truefeed took them from the recording first; changes by that are not causes";
     Diagnosis {
         elsewhere: *elsewhere,
         before: compared(machine, runs),

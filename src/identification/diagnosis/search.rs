@@ -17,8 +17,8 @@
 //!
 //! A clock error is the only cause or no cause: the error that the law of another cause leaves grows with time as well.
 //!
-//! Causes that these runs cannot separate from the next cause are alike to it: they fit as well, except perhaps at one
-//! place.
+//! Causes that these runs cannot separate from the next cause are alike to it: other effects, or the same effect of
+//! another axis, that fit as well, except perhaps at one place.
 
 use std::collections::BTreeSet;
 
@@ -347,13 +347,18 @@ fn passed(
     };
     let alike: BTreeSet<String> = rest
         .iter()
-        .filter(|(other, _)| other.hypothesis.effect != candidate.hypothesis.effect)
+        .filter(|(other, _)| other.hypothesis.is_rival_of(&candidate.hypothesis))
         .filter(is_alike)
-        .map(|(other, _)| other.hypothesis.effect.id.to_string())
+        .map(|(other, _)| id_beside(&other.hypothesis, &candidate.hypothesis))
         .collect();
     let confidence = held_out.as_ref().map_or(1.0, HeldOut::share) / (1.0 + alike.len() as f64);
     let found = AcceptedCause { candidate, alike: alike.into_iter().collect(), held_out, confidence };
     (UNSURE <= confidence * odds(gain / dispersion, price)).then_some((found, others))
+}
+
+/// Returns the id of a rival of `named`, with its axis if both are of the same effect.
+fn id_beside(rival: &Hypothesis, named: &Hypothesis) -> String {
+    rival.effect.id_on(rival.axis().filter(|_| rival.effect == named.effect))
 }
 
 /// Returns the time that a cause explains, s: its net time, or [`NETTED`] of the sizes of all its changes if that is

@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use crate::identification::effects::report::{Finding, Quantity, Report, Reported, ReportedValue};
+use crate::identification::effects::report::{AXIS, Finding, Quantity, Report, Reported, ReportedValue};
 use crate::identification::fit::{FreeParameter, Run, with};
 use crate::machine::Machine;
 use crate::simulation::feed::limits::rapid_feedrate;
@@ -95,6 +95,11 @@ impl Row {
     /// Returns the name of the effect as people read it: its id with blanks.
     pub fn name(&self) -> String {
         self.id.replace('_', " ")
+    }
+
+    /// Returns the id, with the axis in brackets if one is given: `axis_velocity_limit (Y)`.
+    pub fn id_on(&self, axis: Option<char>) -> String {
+        axis.map_or(self.id.to_string(), |axis| format!("{} ({axis})", self.id))
     }
 
     /// Returns the trace that the effect leaves.
@@ -257,6 +262,22 @@ impl Hypothesis {
     /// Returns `true` if `other` is the same variant of the same effect.
     pub fn is_same_as(&self, other: &Hypothesis) -> bool {
         self.effect == other.effect && self.variant == other.variant
+    }
+
+    /// Returns the one axis that the hypothesis is about; `None` for several, or for none.
+    pub fn axis(&self) -> Option<char> {
+        let reported = (self.report)(self.trials.first()?);
+        let (_, Reported::Word(axes)) = reported.into_iter().find(|(quantity, _)| *quantity == AXIS)? else {
+            return None;
+        };
+        let mut axes = axes.chars();
+        axes.next().filter(|_| axes.next().is_none())
+    }
+
+    /// Returns `true` if `other` is another explanation to a person: another effect, or the same effect of another axis.
+    pub fn is_rival_of(&self, other: &Hypothesis) -> bool {
+        let axes = self.axis().zip(other.axis());
+        self.effect != other.effect || axes.is_some_and(|(own, other)| own != other)
     }
 
     /// Returns `true` if the hypothesis frees a limit and nothing else: the lower the limit, the slower the

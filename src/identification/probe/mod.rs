@@ -84,10 +84,11 @@ pub enum ProbeError {
     #[error(
         "no program of {MAX_PROBE_S} s separates {0} from {1}: {2:.1} standard deviations; change one of the two on the machine and record again"
     )]
-    Alike(&'static str, &'static str, f64),
+    Alike(String, String, f64),
 }
 
-/// Returns a short program that separates two causes on a machine.
+/// Returns a short program that separates two causes on a machine. A cause is the id of an effect, with its axis in
+/// brackets if only that is meant, as in `axis_velocity_limit (Y)`.
 ///
 /// # Errors
 ///
@@ -107,22 +108,22 @@ pub enum ProbeError {
 pub fn probe_between(machine: &Machine, causes: [&str; 2]) -> Result<Probe, ProbeError> {
     let [one, other] = [provoked(causes[0])?, provoked(causes[1])?];
     if one == other {
-        return Err(ProbeError::Same(one.id.to_string()));
+        return Err(ProbeError::Same(one.name()));
     }
     let bank = bank(machine);
     let programs: Vec<String> = bank.iter().map(|snippet| whole(&[], &snippet.lines)).collect();
     let trials: Vec<ProbeTrial> = programs.iter().map(|program| ProbeTrial::new(machine, program)).collect();
     let runs: Vec<_> = trials.iter().map(ProbeTrial::run).collect();
     let library = library(machine, &runs);
-    let of = |effect: Effect| {
-        let own: Vec<&Hypothesis> = library.iter().filter(|hypothesis| hypothesis.effect == effect).collect();
-        if own.is_empty() { Err(ProbeError::Hidden(effect.id)) } else { Ok(own) }
+    let of = |cause: ProbedCause| {
+        let own: Vec<&Hypothesis> = library.iter().filter(|hypothesis| cause.is_of(hypothesis)).collect();
+        if own.is_empty() { Err(ProbeError::Hidden(cause.effect.id)) } else { Ok(own) }
     };
     let sides = [of(one)?, of(other)?];
     let is_form = sides.iter().flatten().any(|hypothesis| hypothesis.trace() == Trace::Form);
     let found = separations(machine, &trials, &sides, is_form);
     if let Some(side) = (0..2).find(|side| found.is_hidden[*side]) {
-        return Err(ProbeError::Hidden([one, other][side].id));
+        return Err(ProbeError::Hidden([one, other][side].effect.id));
     }
     let costs: Vec<f64> = trials.iter().map(ProbeTrial::seconds).collect();
     let chosen = chosen(&found.separations, &costs);
@@ -133,11 +134,11 @@ pub fn probe_between(machine: &Machine, causes: [&str; 2]) -> Result<Probe, Prob
     let reached = separations(machine, &[trial], &sides, is_form);
     let separation = least(&reached.separations, &[0]);
     if separation < MIN_SEPARATION_SIGMAS {
-        return Err(ProbeError::Alike(one.id, other.id, separation));
+        return Err(ProbeError::Alike(one.name(), other.name(), separation));
     }
     let summary = vec![
         format!("Probe for {}", machine.name),
-        format!("separates {} from {}", one.id, other.id),
+        format!("separates {} from {}", one.name(), other.name()),
         format!("{seconds:.1} s, expected separation at least {separation:.0} standard deviations"),
         format!("recorded at 500 Hz with {:.0} ms of noise", 1e3 * STAMP_DEVIATION_S),
     ];
@@ -180,8 +181,31 @@ fn whole(heads: &[String], lines: &str) -> String {
     format!("{heads}G21 G90 G94 G17\n{lines}M30\n")
 }
 
-/// Returns the effect with this id if a program can show it.
-fn provoked(id: &str) -> Result<Effect, ProbeError> {
+/// A cause that a program is to show.
+#[derive(Clone, Copy, PartialEq)]
+struct ProbedCause {
+    effect: Effect,
+    /// The only axis meant; `None` for all.
+    axis: Option<char>,
+}
+
+impl ProbedCause {
+    fn name(self) -> String {
+        self.effect.id_on(self.axis)
+    }
+
+    fn is_of(self, hypothesis: &Hypothesis) -> bool {
+        hypothesis.effect == self.effect && self.axis.is_none_or(|axis| hypothesis.axis() == Some(axis))
+    }
+}
+
+/// Returns the cause with this name if a program can show it.
+fn provoked(name: &str) -> Result<ProbedCause, ProbeError> {
+    let with_axis = name.strip_suffix(')').and_then(|name| name.split_once(" ("));
+    let (id, axis) = match with_axis.map(|(id, axes)| (id, axes.chars().collect::<Vec<_>>())) {
+        Some((id, axes)) if axes.len() == 1 => (id, Some(axes[0].to_ascii_uppercase())),
+        _ => (name, None),
+    };
     let Some(effect) = effects::with_id(id) else {
         let distance = |effect: &&Effect| strsim::damerau_levenshtein(effect.id, id);
         let nearest = effects::ALL.iter().min_by_key(distance).expect("there are effects").id;
@@ -189,7 +213,7 @@ fn provoked(id: &str) -> Result<Effect, ProbeError> {
     };
     match effect.unprovoked {
         Some(why) => Err(ProbeError::Unprovoked { id: effect.id, why }),
-        None => Ok(effect),
+        None => Ok(ProbedCause { effect, axis }),
     }
 }
 

@@ -72,12 +72,7 @@ impl DiagnosisReport {
         let machine = extended(&diagnosis.machine, names);
         let mut messages: Vec<String> =
             diagnosis.messages.iter().map(|message| sentence_of(message)).collect();
-        if diagnosis.verdict == Verdict::Ambiguous {
-            messages.push(
-                "A short probe program separates these causes: truefeed probe --between CAUSE CAUSE."
-                    .to_string(),
-            );
-        }
+        messages.extend(probe_message(diagnosis));
         DiagnosisReport {
             verdict: word(diagnosis.verdict),
             sentence: sentence(diagnosis, &causes, &account.balance),
@@ -285,6 +280,18 @@ fn cause(cause: &Cause, seconds: f64) -> CauseRow {
         vendors: effect.vendors,
         sections: cause.held_out.map(|held_out| [held_out.better, held_out.worse]),
     }
+}
+
+/// Returns the message that names the probe for the first cause that others cannot be told from; `None` if there is none.
+fn probe_message(diagnosis: &Diagnosis) -> Option<String> {
+    let of = |cause: &Cause| Some((cause.candidate.hypothesis.clone(), cause.alike.first()?.clone()));
+    let (own, other) =
+        diagnosis.causes.iter().find_map(of).filter(|_| diagnosis.verdict == Verdict::Ambiguous)?;
+    let is_of_axis = other.starts_with(&format!("{} (", own.effect.id));
+    let own = own.effect.id_on(own.axis().filter(|_| is_of_axis));
+    Some(format!(
+        "A short probe program separates these causes: truefeed probe --between \"{own}\" \"{other}\"."
+    ))
 }
 
 /// Returns a sentence as a clause of another one.
