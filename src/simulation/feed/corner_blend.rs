@@ -44,7 +44,7 @@
 //! **Nothing**: a turn made within one servo period uses the part κ = max_k |u2 − u1|_k (sF/(h a_k) + 1) of
 //! the acceleration of an axis, twice that on an arc, whose sF is at most the velocity for which √3/2 of its
 //! acceleration suffices. If κ is below a tenth, the corner is not slowed at all,
-//! and its legs lose the part κ of their acceleration. Otherwise the motion passes the corner at 0.1 sF/κ. Of
+//! and its legs lose the part κ of their acceleration, an arc also for its curvature. Otherwise the motion passes the corner at 0.1 sF/κ. Of
 //! circle, parabola and nothing the fastest is taken; the speed of a parabola counts as C (b1 + b2)/4.
 //!
 //! **Exact path** (G61): no curve replaces the corner. If κ is a tenth or more the motion stops at the
@@ -146,6 +146,12 @@ fn halved(segment: &Segment, machine: &Machine) -> (f64, f64) {
     (junction::acceleration(segment, own, machine), limits::blended_arc_feedrate(segment, own, machine))
 }
 
+/// Returns the feedrate along an arc for which this share of its acceleration suffices, mm/s; infinite along a line.
+pub fn arc_feedrate(segment: &Segment, share: f64, machine: &Machine) -> f64 {
+    let acceleration = share * limits::blended_acceleration(segment, machine);
+    limits::blended_arc_feedrate(segment, acceleration, machine)
+}
+
 /// A corner between two legs.
 struct Corner<'a> {
     sides: [CornerSide<'a>; 2],
@@ -170,9 +176,8 @@ impl<'a> Corner<'a> {
         let override_limit = machine.interpolator.max_override;
         // What limits the velocity on a leg whatever its feedrate is: its axes and, on an arc, its acceleration.
         let requested = sides.map(|side| {
-            let acceleration = limits::blended_acceleration(side.segment, machine);
-            let on_arc = limits::blended_arc_feedrate(side.segment, acceleration, machine);
-            (override_limit * side.feedrate).min(limits::axis_feedrate(side.segment, machine)).min(on_arc)
+            let of_axes = limits::axis_feedrate(side.segment, machine);
+            (override_limit * side.feedrate).min(of_axes).min(arc_feedrate(side.segment, 1.0, machine))
         });
         Corner {
             sides,

@@ -429,7 +429,13 @@ impl MotionPlanner<'_> {
         let legs = feedrates.iter().zip(&self.segment_limits.accelerations).enumerate();
         let leg = |(i, (&feedrate, &acceleration)): (usize, (&f64, &f64))| {
             let (length, is_line) = (self.length(i), *self.curve(i) == Curve::Line);
-            let whole = Leg { length, feedrate, acceleration, is_line };
+            // What the turns at its ends take of its acceleration, an arc has not for its curvature either.
+            let left = 1.0 - blends[i].taken.max(blends[i + 1].taken);
+            let most = match is_line || left == 1.0 {
+                true => f64::INFINITY,
+                false => corner_blend::arc_feedrate(&self.segment(i), left, self.machine),
+            };
+            let whole = Leg { length, feedrate: feedrate.min(most), acceleration, is_line };
             if self.shares(i, blends) {
                 corner_blend::shared(&self.segment(i), whole, self.machine)
             } else {
