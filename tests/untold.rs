@@ -7,7 +7,7 @@ use truefeed::identification::fit::Run;
 use truefeed::identification::measured::calibrated_on;
 use truefeed::identification::recording;
 use truefeed::machine::Machine;
-use truefeed::project::machine_from_toml;
+use truefeed::project::{DiagnosisReport, machine_from_toml};
 use truefeed::quote::{UnshownFeature, range};
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::interpreter::trace;
@@ -197,6 +197,12 @@ fn two_axes_that_always_move_together_are_not_told_apart() {
     assert!(cause.alike.contains(&format!("axis_velocity_limit ({other})")), "{:?}", cause.alike);
     assert!(cause.confidence <= 0.5, "{}", cause.confidence);
     assert_eq!(diagnosis.verdict, Verdict::Ambiguous);
+    let said = DiagnosisReport::new(&diagnosis, &["run".to_string()]).to_text();
+    assert!(
+        said.contains("or, as likely,") && said.contains(&format!("axis velocity limit ({other})")),
+        "{said}"
+    );
+    assert!(said.contains("truefeed probe --between \"axis_velocity_limit ("), "{said}");
 }
 
 #[test]

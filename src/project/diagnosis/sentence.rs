@@ -109,7 +109,7 @@ fn causes_in_words(causes: &[CauseRow], balance: &RoundedAccount) -> String {
         if 1 < holds.len() && is_hold(&cause) {
             continue;
         }
-        said.push((*hundredths, cause.clause.clone()));
+        said.push((*hundredths, with_rivals(cause)));
     }
     if 1 < holds.len() {
         let each = causes.iter().zip(&balance.causes).filter(|(cause, _)| is_hold(cause));
@@ -127,6 +127,15 @@ fn causes_in_words(causes: &[CauseRow], balance: &RoundedAccount) -> String {
         clauses.push(format!("and {} more ({})", said.len() - MAX_NAMED_CAUSES, written(others)));
     }
     clauses.join("; ")
+}
+
+/// Returns the clause of a cause, with the causes that it cannot be told from.
+fn with_rivals(cause: &CauseRow) -> String {
+    let rivals: Vec<String> = cause.indistinguishable_from.iter().map(|id| id.replace('_', " ")).collect();
+    match rivals.as_slice() {
+        [] => cause.clause.clone(),
+        rivals => format!("{} or, as likely, {}", cause.clause, rivals.join(" or ")),
+    }
 }
 
 /// Returns several halts as one clause.
