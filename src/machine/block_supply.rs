@@ -4,8 +4,8 @@
 //! this limit in advance plans its corners by that feedrate. A control that runs out of blocks has planned
 //! its corners by the requested feedrate and runs its plan more slowly: no corner becomes faster.
 
-use crate::machine::keyword::{keyword_of, variant_of};
-use crate::machine::parameter::{Access, Parameter, finite, row, whole};
+use crate::machine::keyword::keyword_of;
+use crate::machine::parameter::{Parameter, finite, row, whole};
 
 /// The feedrate by which corners between blocks limited by supply are planned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,28 +32,16 @@ impl CornerPlanning {
 pub const BLOCK_SUPPLY: [Parameter; 3] = [
     row!("interpolator.block_time_s", "Block processing time", value Second (0.0, 1.0) [interpolator.block_time] or 0.0,
         "Shortest time of a block. 0: no such limit."),
-    Parameter {
-        key: "interpolator.look_ahead_blocks",
-        label: "Look-ahead",
-        doc: "Number of blocks that the control sees ahead, and within which it must be able to stop. Empty: all.",
-        access: whole(
+    row!(
+        "interpolator.look_ahead_blocks",
+        "Look-ahead",
+        whole(
             (1.0, 1e6),
             |m| finite(m.interpolator.look_ahead),
             |m, v| m.interpolator.look_ahead = v.unwrap_or(f64::INFINITY),
         ),
-    },
-    Parameter {
-        key: "interpolator.corners_planned_by",
-        label: "Corners are planned by",
-        doc: "Feedrate by which the control plans corners of short blocks: the one at which blocks arrive, or the programmed one.",
-        access: Access::Choice {
-            words: &[CornerPlanning::WORDS[0].0, CornerPlanning::WORDS[1].0],
-            get: |m| m.interpolator.planned_by.word(),
-            set: |m, v| {
-                if let Some(by) = variant_of(&CornerPlanning::WORDS, v) {
-                    m.interpolator.planned_by = by;
-                }
-            },
-        },
-    },
+        "Number of blocks that the control sees ahead, and within which it must be able to stop. Empty: all."
+    ),
+    row!("interpolator.corners_planned_by", "Corners are planned by", choice CornerPlanning [interpolator.planned_by],
+        "Feedrate by which the control plans corners of short blocks: the one at which blocks arrive, or the programmed one."),
 ];

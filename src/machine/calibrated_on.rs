@@ -52,7 +52,7 @@ pub struct CalibratedOn {
     pub assumed_accelerations: [bool; 3],
     /// `true` for each of the axes X, Y, Z that the runs do not show at its full rapid feedrate.
     pub assumed_rapids: [bool; 3],
-    /// M-words that stop the motion in the programs, 3 and 5 for any word that starts or stops the spindle; `None` if
-    /// unknown. The time of any other word was assumed.
+    /// M-words that stop the motion in the programs, 3 and 5 for any word that starts or stops the spindle, and 30 for
+    /// the end; `None` if unknown. The time of any other word was assumed.
     pub m_codes: Option<Vec<u32>>,
 }

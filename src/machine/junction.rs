@@ -1,7 +1,7 @@
 //! Junction laws, by which a control limits the feedrate at corners, and their rows in the parameter table.
 
-use crate::machine::parameter::{Access, Parameter, number, row};
-use crate::units::Unit;
+use crate::machine::keyword::keywords;
+use crate::machine::parameter::{Access, Parameter, row};
 
 /// The law that limits the feedrate at a corner in addition to the contour tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,12 +47,7 @@ pub(super) const JUNCTION: [Parameter; 8] = [
         label: "Junctions",
         doc: "tolerance: the contour tolerance alone limits corners; acceleration_blend: also the acceleration on a circle within it, as in LinuxCNC; parabolic_blend: both legs run at once, as in LinuxCNC without arc blends; exact_path: every program runs as after G61 of LinuxCNC, with a stop at each corner that the acceleration of the axes does not allow as programmed.",
         access: Access::Choice {
-            words: &[
-                Junction::KEYWORDS[0].0,
-                Junction::KEYWORDS[1].0,
-                Junction::KEYWORDS[2].0,
-                Junction::KEYWORDS[3].0,
-            ],
+            words: &const { keywords(&Junction::KEYWORDS) },
             get: |m| {
                 let rule =
                     Junction::KEYWORDS.iter().find(|(_, junction)| *junction == m.interpolator.junction);
@@ -66,60 +61,15 @@ pub(super) const JUNCTION: [Parameter; 8] = [
             },
         },
     },
-    Parameter {
-        key: "interpolator.junction_deviation_mm",
-        label: "Junction deviation",
-        doc: "The acceleration on a circle that passes the corner at this distance limits its feedrate, as in grbl. Empty: no such limit.",
-        access: number(
-            Unit::Millimetre,
-            (1e-6, 10.0),
-            |m| match m.interpolator.junction {
-                Junction::Deviation(value) => Some(value),
-                _ => None,
-            },
-            |m, v| match (v, m.interpolator.junction) {
-                (Some(value), _) => m.interpolator.junction = Junction::Deviation(value),
-                (None, Junction::Deviation(_)) => m.interpolator.junction = Junction::Tolerance,
-                _ => (),
-            },
-        ),
-    },
-    Parameter {
-        key: "interpolator.square_corner_velocity_mm_min",
-        label: "Square-corner velocity",
-        doc: "Highest feedrate at a corner of 90°; other corners follow from the same circle, as in Klipper. Empty: no such limit.",
-        access: number(
-            Unit::MillimetrePerMinute,
-            (0.01, 1e6),
-            |m| match m.interpolator.junction {
-                Junction::SquareCorner(value) => Some(value),
-                _ => None,
-            },
-            |m, v| match (v, m.interpolator.junction) {
-                (Some(value), _) => m.interpolator.junction = Junction::SquareCorner(value),
-                (None, Junction::SquareCorner(_)) => m.interpolator.junction = Junction::Tolerance,
-                _ => (),
-            },
-        ),
-    },
-    Parameter {
-        key: "interpolator.axis_velocity_step_mm_min",
-        label: "Velocity step of axes",
-        doc: "Largest step of an axis velocity at a corner. Empty: no such limit.",
-        access: number(
-            Unit::MillimetrePerMinute,
-            (0.01, 1e6),
-            |m| match m.interpolator.junction {
-                Junction::AxisStep(value) => Some(value),
-                _ => None,
-            },
-            |m, v| match (v, m.interpolator.junction) {
-                (Some(value), _) => m.interpolator.junction = Junction::AxisStep(value),
-                (None, Junction::AxisStep(_)) => m.interpolator.junction = Junction::Tolerance,
-                _ => (),
-            },
-        ),
-    },
+    row!("interpolator.junction_deviation_mm", "Junction deviation",
+        case Millimetre (1e-6, 10.0) [interpolator.junction] of Junction::Deviation, else Junction::Tolerance,
+        "The acceleration on a circle that passes the corner at this distance limits its feedrate, as in grbl. Empty: no such limit."),
+    row!("interpolator.square_corner_velocity_mm_min", "Square-corner velocity",
+        case MillimetrePerMinute (0.01, 1e6) [interpolator.junction] of Junction::SquareCorner, else Junction::Tolerance,
+        "Highest feedrate at a corner of 90°; other corners follow from the same circle, as in Klipper. Empty: no such limit."),
+    row!("interpolator.axis_velocity_step_mm_min", "Velocity step of axes",
+        case MillimetrePerMinute (0.01, 1e6) [interpolator.junction] of Junction::AxisStep, else Junction::Tolerance,
+        "Largest step of an axis velocity at a corner. Empty: no such limit."),
     row!("interpolator.max_override_percent", "Override planned for", value Percent (100.0, 1000.0) [interpolator.max_override] or 1.0,
         "Largest feed override that the control plans blends for, which makes them wider than the programmed feedrate needs, as in LinuxCNC (MAX_FEED_OVERRIDE)."),
     row!("interpolator.slowing_angle_deg", "Corners slow to a stop at", limit Degree (1.0, 3600.0) [interpolator.slowing_angle],

@@ -9,3 +9,14 @@ pub(super) fn keyword_of<T: PartialEq>(words: &[(&'static str, T)], choice: T) -
 pub(super) fn variant_of<T: Copy>(words: &[(&'static str, T)], written: &str) -> Option<T> {
     words.iter().find(|(word, _)| *word == written).map(|(_, choice)| *choice)
 }
+
+/// Returns the keywords of all variants, in their order.
+pub(super) const fn keywords<T, const N: usize>(words: &[(&'static str, T); N]) -> [&'static str; N] {
+    let mut keywords = [""; N];
+    let mut index = 0;
+    while index < N {
+        keywords[index] = words[index].0;
+        index += 1;
+    }
+    keywords
+}

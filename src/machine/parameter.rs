@@ -44,8 +44,6 @@ pub enum Access {
         max: f64,
         /// `true` for whole numbers.
         whole: bool,
-        /// Least number of values.
-        least: usize,
         /// Largest number of values.
         most: usize,
         /// Returns the values; `None` if the machine has none.
@@ -117,25 +115,58 @@ pub(in crate::machine) const fn whole(
     Access::Number { unit: Unit::Number, min, max, whole: true, get, set }
 }
 
-/// Returns the access to an extent as a list of its least and its largest value.
-pub(in crate::machine) const fn extent(
+/// Returns the access to a list of at most `most` numbers.
+pub(in crate::machine) const fn list(
     unit: Unit,
     (min, max): (f64, f64),
+    most: usize,
     get: fn(&Machine) -> Option<Vec<f64>>,
     set: fn(&mut Machine, Vec<f64>),
 ) -> Access {
-    Access::List { unit, min, max, whole: false, least: 1, most: 2, get, set }
+    Access::List { unit, min, max, whole: false, most, get, set }
+}
+
+/// Returns the access to a list of at most `most` whole numbers.
+pub(in crate::machine) const fn whole_list(
+    (min, max): (f64, f64),
+    most: usize,
+    get: fn(&Machine) -> Option<Vec<f64>>,
+    set: fn(&mut Machine, Vec<f64>),
+) -> Access {
+    Access::List { unit: Unit::Number, min, max, whole: true, most, get, set }
+}
+
+/// Returns the access to a table of numbers by word.
+pub(in crate::machine) const fn codes(
+    letter: char,
+    unit: Unit,
+    (min, max): (f64, f64),
+    get: fn(&Machine) -> &BTreeMap<u32, f64>,
+    get_mut: fn(&mut Machine) -> &mut BTreeMap<u32, f64>,
+) -> Access {
+    Access::Codes { letter, unit, min, max, get, get_mut }
 }
 
 /// Bounds of jerks.
 pub(in crate::machine) const JERK_BOUNDS_MM_S3: (f64, f64) = (1.0, 1e9);
 pub(in crate::machine) const TOLERANCE_BOUNDS_MM: (f64, f64) = (1e-6, 10.0);
 
-/// A row of the table whose parameter is one field of the machine: key, label, access, sentence on its effect.
+/// A row of the table: key, label, access, sentence on its effect.
 ///
-/// `extent` is the extent of some values, `optional` a field that may be missing, `limit` a field that is
-/// infinite when neutral, and `value` a field with the neutral value behind `or`. Unit and bounds are as in
-/// files and forms.
+/// These words describe a parameter that is one field of the machine; unit and bounds are as in files and forms:
+///
+/// | word | the field |
+/// |---|---|
+/// | `optional` | may be missing |
+/// | `limit` | is infinite when neutral |
+/// | `value` … `or` | has the neutral value behind `or` |
+/// | `case` … `of` … `else` | is an enum; the parameter is the value of one variant, and the last one is neutral |
+/// | `extent` | is the extent of some values |
+/// | `codes` | is a table by the number of a word |
+/// | `choice` | is an enum with keywords |
+/// | `flag` | is true or false |
+///
+/// Without a word, functions read and set the parameter: of a number, with a unit, or of the given access.
 macro_rules! row {
     ($key:expr, $label:expr, optional $unit:ident $bounds:tt [$($field:tt)+], $doc:expr) => {
         row!($key, $label, $unit $bounds, |m| m.$($field)+, |m, v| m.$($field)+ = v, $doc)
@@ -147,26 +178,59 @@ macro_rules! row {
     ($key:expr, $label:expr, value $unit:ident $bounds:tt [$($field:tt)+] or $neutral:expr, $doc:expr) => {
         row!($key, $label, $unit $bounds, |m| Some(m.$($field)+), |m, v| m.$($field)+ = v.unwrap_or($neutral), $doc)
     };
+    ($key:expr, $label:expr, case $unit:ident $bounds:tt [$($field:tt)+] of $variant:path, else $neutral:path, $doc:expr) => {
+        row!($key, $label, $unit $bounds,
+            |m| match m.$($field)+ {
+                $variant(value) => Some(value),
+                _ => None,
+            },
+            |m, v| match (v, m.$($field)+) {
+                (Some(value), _) => m.$($field)+ = $variant(value),
+                (None, $variant(_)) => m.$($field)+ = $neutral,
+                _ => (),
+            },
+            $doc)
+    };
     ($key:expr, $label:expr, extent $unit:ident $bounds:tt [$($field:tt)+], $doc:expr) => {
-        $crate::machine::parameter::Parameter {
-            key: $key,
-            label: $label,
-            doc: $doc,
-            access: $crate::machine::parameter::extent(
-                $crate::units::Unit::$unit,
-                $bounds,
-                |m| m.$($field)+.0.map(|(least, largest)| vec![least, largest]),
-                |m, v| m.$($field)+ = $crate::machine::Extent::of(&v),
-            ),
-        }
+        row!($key, $label, $crate::machine::parameter::list(
+            $crate::units::Unit::$unit,
+            $bounds,
+            2,
+            |m| m.$($field)+.0.map(|(least, largest)| vec![least, largest]),
+            |m, v| m.$($field)+ = $crate::machine::Extent::of(&v),
+        ), $doc)
+    };
+    ($key:expr, $label:expr, codes $letter:literal $unit:ident $bounds:tt [$($field:tt)+], $doc:expr) => {
+        row!($key, $label, $crate::machine::parameter::codes(
+            $letter,
+            $crate::units::Unit::$unit,
+            $bounds,
+            |m| &m.$($field)+,
+            |m| &mut m.$($field)+,
+        ), $doc)
+    };
+    ($key:expr, $label:expr, choice $choice:ident [$($field:tt)+], $doc:expr) => {
+        row!($key, $label, $crate::machine::parameter::Access::Choice {
+            words: &const { $crate::machine::keyword::keywords(&$choice::WORDS) },
+            get: |m| m.$($field)+.word(),
+            set: |m, v| {
+                if let Some(choice) = $crate::machine::keyword::variant_of(&$choice::WORDS, v) {
+                    m.$($field)+ = choice;
+                }
+            },
+        }, $doc)
+    };
+    ($key:expr, $label:expr, flag [$($field:tt)+], $doc:expr) => {
+        row!($key, $label, $crate::machine::parameter::Access::Flag {
+            get: |m| m.$($field)+,
+            set: |m, v| m.$($field)+ = v,
+        }, $doc)
     };
     ($key:expr, $label:expr, $unit:ident $bounds:tt, $get:expr, $set:expr, $doc:expr) => {
-        $crate::machine::parameter::Parameter {
-            key: $key,
-            label: $label,
-            doc: $doc,
-            access: $crate::machine::parameter::number($crate::units::Unit::$unit, $bounds, $get, $set),
-        }
+        row!($key, $label, $crate::machine::parameter::number($crate::units::Unit::$unit, $bounds, $get, $set), $doc)
+    };
+    ($key:expr, $label:expr, $access:expr, $doc:expr) => {
+        $crate::machine::parameter::Parameter { key: $key, label: $label, doc: $doc, access: $access }
     };
 }
 pub(in crate::machine) use row;

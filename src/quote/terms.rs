@@ -176,20 +176,34 @@ pub enum TermAccess {
 /// Least and largest quantity of an offer.
 pub const QUANTITY_BOUNDS: (f64, f64) = (1.0, 1e6);
 
-const fn number(
-    unit: Unit,
-    (min, max): (f64, f64),
-    get: fn(&Terms) -> Option<f64>,
-    set: fn(&mut Terms, Option<f64>),
-) -> TermAccess {
-    TermAccess::Number { unit, min, max, whole: false, get, set }
-}
-
 /// Bounds of amounts of money.
 const AMOUNT_BOUNDS: (f64, f64) = (0.0, 1e7);
 
 /// Largest margin on the price: it must leave some of the price for the cost.
 pub const MAX_MARGIN_OF_PRICE: f64 = 0.95;
+
+/// A term that is one number: key, label, unit, bounds as in the form, field with its neutral value, sentence on its
+/// effect.
+macro_rules! number {
+    ($key:literal, $label:literal, $unit:ident $bounds:expr, $field:ident or $neutral:literal, $doc:literal) => {
+        number!($key, $label, $unit $bounds, |t| Some(t.$field), |t, v| t.$field = v.unwrap_or($neutral), $doc)
+    };
+    ($key:literal, $label:literal, $unit:ident $bounds:expr, $get:expr, $set:expr, $doc:literal) => {
+        Term {
+            key: $key,
+            label: $label,
+            doc: $doc,
+            access: TermAccess::Number {
+                unit: Unit::$unit,
+                min: $bounds.0,
+                max: $bounds.1,
+                whole: false,
+                get: $get,
+                set: $set,
+            },
+        }
+    };
+}
 
 /// All terms in the order of the form.
 pub static TERMS: [Term; 15] = [
@@ -222,69 +236,22 @@ pub static TERMS: [Term; 15] = [
         doc: "Other quantities to quote beside it, for example 1; 10; 100.",
         access: TermAccess::Quantities { most: 12 },
     },
-    Term {
-        key: "set_up_min",
-        label: "Set-up",
-        doc: "Machine and operator, once for the batch.",
-        access: number(Unit::Minute, (0.0, 10_000.0), |t| Some(t.set_up), |t, v| t.set_up = v.unwrap_or(0.0)),
-    },
-    Term {
-        key: "loading_s",
-        label: "Load and unload",
-        doc: "Machine and operator, for each part; the machine waits meanwhile.",
-        access: number(
-            Unit::Second,
-            (0.0, 36_000.0),
-            |t| Some(t.loading),
-            |t, v| t.loading = v.unwrap_or(0.0),
-        ),
-    },
-    Term {
-        key: "operator_hourly",
-        label: "Operator’s rate",
-        doc: "Price of an hour of the operator; 0 where the machine’s rate includes it.",
-        access: number(Unit::PerHour, (0.0, 1e6), |t| Some(t.operator), |t, v| t.operator = v.unwrap_or(0.0)),
-    },
-    Term {
-        key: "attendance_percent",
-        label: "Operator attendance",
-        doc: "Part of the cycle for which the operator is paid; set-up and loading are attended in full.",
-        access: number(
-            Unit::Percent,
-            (0.0, 100.0),
-            |t| Some(t.attendance),
-            |t, v| t.attendance = v.unwrap_or(1.0),
-        ),
-    },
-    Term {
-        key: "material",
-        label: "Material per part",
-        doc: "Stock of one part.",
-        access: number(
-            Unit::Number,
-            AMOUNT_BOUNDS,
-            |t| Some(t.material),
-            |t, v| t.material = v.unwrap_or(0.0),
-        ),
-    },
-    Term {
-        key: "other",
-        label: "Other cost per part",
-        doc: "Tools, treatment, packing of one part.",
-        access: number(Unit::Number, AMOUNT_BOUNDS, |t| Some(t.other), |t, v| t.other = v.unwrap_or(0.0)),
-    },
-    Term {
-        key: "fixed",
-        label: "Fixed cost per batch",
-        doc: "Programming, fixtures, first inspection; once.",
-        access: number(Unit::Number, AMOUNT_BOUNDS, |t| Some(t.fixed), |t, v| t.fixed = v.unwrap_or(0.0)),
-    },
-    Term {
-        key: "margin_percent",
-        label: "Margin",
-        doc: "Added to every cost, the fixed ones too.",
-        access: number(Unit::Percent, (0.0, 1000.0), |t| Some(t.margin), |t, v| t.margin = v.unwrap_or(0.0)),
-    },
+    number!("set_up_min", "Set-up", Minute (0.0, 10_000.0), set_up or 0.0,
+        "Machine and operator, once for the batch."),
+    number!("loading_s", "Load and unload", Second (0.0, 36_000.0), loading or 0.0,
+        "Machine and operator, for each part; the machine waits meanwhile."),
+    number!("operator_hourly", "Operator’s rate", PerHour (0.0, 1e6), operator or 0.0,
+        "Price of an hour of the operator; 0 where the machine’s rate includes it."),
+    number!("attendance_percent", "Operator attendance", Percent (0.0, 100.0), attendance or 1.0,
+        "Part of the cycle for which the operator is paid; set-up and loading are attended in full."),
+    number!("material", "Material per part", Number AMOUNT_BOUNDS, material or 0.0,
+        "Stock of one part."),
+    number!("other", "Other cost per part", Number AMOUNT_BOUNDS, other or 0.0,
+        "Tools, treatment, packing of one part."),
+    number!("fixed", "Fixed cost per batch", Number AMOUNT_BOUNDS, fixed or 0.0,
+        "Programming, fixtures, first inspection; once."),
+    number!("margin_percent", "Margin", Percent (0.0, 1000.0), margin or 0.0,
+        "Added to every cost, the fixed ones too."),
     Term {
         key: "margin_of",
         label: "Margin on",
@@ -321,10 +288,12 @@ pub static TERMS: [Term; 15] = [
             },
         },
     },
-    Term {
-        key: "uncertainty_percent",
-        label: "Uncertainty of the cycle time",
-        doc: "Your own figure. Empty: the error at the machine’s calibration, if known.",
-        access: number(Unit::Percent, (0.0, 95.0), |t| t.uncertainty, |t, v| t.uncertainty = v),
-    },
+    number!(
+        "uncertainty_percent",
+        "Uncertainty of the cycle time",
+        Percent(0.0, 95.0),
+        |t| t.uncertainty,
+        |t, v| t.uncertainty = v,
+        "Your own figure. Empty: the error at the machine’s calibration, if known."
+    ),
 ];

@@ -55,6 +55,9 @@ const MIN_LONGER_RATIO: f64 = 1.5;
 /// Least time of a block that is not short, s: length over feedrate.
 const MAX_SHORT_BLOCK_S: f64 = 0.1;
 
+/// M-word of the end of a program, which every program has, written or not.
+const PROGRAM_END: u32 = 30;
+
 /// A feature of a program that a calibration did not show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum UnshownFeature {
@@ -113,7 +116,7 @@ pub struct TimeRange {
 /// Returns the extents of the features that programs show.
 pub fn features_of<'a>(toolpaths: impl IntoIterator<Item = &'a Toolpath>) -> CalibratedOn {
     let mut asked = CalibratedOn::default();
-    let mut m_codes = BTreeSet::new();
+    let mut m_codes = BTreeSet::from([PROGRAM_END]);
     for toolpath in toolpaths {
         m_codes.extend(toolpath.stops.iter().filter_map(|stop| stop.cause.m_code()));
         for segment in 0..toolpath.segments.len() {

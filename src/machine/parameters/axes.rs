@@ -1,8 +1,7 @@
 //! Rows of linear axes, rotary axes and work offsets.
 
 use crate::machine::StructuralMode;
-use crate::machine::parameter::{Parameter, finite, number, row};
-use crate::units::Unit;
+use crate::machine::parameter::{Parameter, row};
 
 /// The rows of one axis; the compiler needs a literal index and literal keys.
 macro_rules! axis {
@@ -22,25 +21,21 @@ macro_rules! axis {
                 "Play that the axis crosses at each reversal before the table follows. 0: none."),
             row!(concat!("axis.", $name, ".backlash_compensation_mm"), concat!("Backlash compensation ", $name), value Millimetre (0.0, 5.0) [axes[$index].backlash_compensation] or 0.0,
                 "Compensation of backlash as an encoder at the motor shows it: after each reversal the motor is ahead of the programmed position by half of it. 0: none, or a scale at the table is recorded."),
-            Parameter {
-                key: concat!("axis.", $name, ".vibration_hz"),
-                label: concat!("Vibration frequency ", $name),
-                doc: "First structural mode of the axis, undamped frequency; empty: rigid.",
-                access: number(Unit::Hertz, (0.5, 1000.0), |m| m.axes[$index].mode.map(|mode| mode.frequency), |m, v| {
+            row!(concat!("axis.", $name, ".vibration_hz"), concat!("Vibration frequency ", $name), Hertz (0.5, 1000.0),
+                |m| m.axes[$index].mode.map(|mode| mode.frequency),
+                |m, v| {
                     let damping = m.axes[$index].mode.map_or(DEFAULT_DAMPING, |mode| mode.damping);
                     m.axes[$index].mode = v.map(|frequency| StructuralMode { frequency, damping })
-                }),
-            },
-            Parameter {
-                key: concat!("axis.", $name, ".vibration_damping"),
-                label: concat!("Vibration damping ", $name),
-                doc: "Damping ratio of the structural mode; empty: 0.03.",
-                access: number(Unit::Number, (0.001, 0.9), |m| m.axes[$index].mode.map(|mode| mode.damping), |m, v| {
+                },
+                "First structural mode of the axis, undamped frequency; empty: rigid."),
+            row!(concat!("axis.", $name, ".vibration_damping"), concat!("Vibration damping ", $name), Number (0.001, 0.9),
+                |m| m.axes[$index].mode.map(|mode| mode.damping),
+                |m, v| {
                     if let Some(mode) = &mut m.axes[$index].mode {
                         mode.damping = v.unwrap_or(DEFAULT_DAMPING)
                     }
-                }),
-            },
+                },
+                "Damping ratio of the structural mode; empty: 0.03."),
             row!(concat!("axis.", $name, ".home_mm"), concat!("Reference point ", $name), optional Millimetre (-1e5, 1e5) [axes[$index].home],
                 "Position of G28 and of the machine zero (G53) in program coordinates. Empty: unknown; Truefeed does not time moves to them."),
         ]
@@ -50,17 +45,8 @@ macro_rules! axis {
 /// The row of one rotary axis.
 macro_rules! rotary_axis {
     ($name:literal, $index:literal) => {
-        [Parameter {
-            key: concat!("axis.", $name, ".velocity_deg_min"),
-            label: concat!("Velocity limit ", $name),
-            doc: "Highest rate of the rotary axis, in feed and rapid. Empty: no limit.",
-            access: number(
-                Unit::DegreePerMinute,
-                (1.0, 1e7),
-                |m| finite(m.rotary_axes[$index].velocity),
-                |m, v| m.rotary_axes[$index].velocity = v.unwrap_or(f64::INFINITY),
-            ),
-        }]
+        [row!(concat!("axis.", $name, ".velocity_deg_min"), concat!("Velocity limit ", $name), limit DegreePerMinute (1.0, 1e7) [rotary_axes[$index].velocity],
+            "Highest rate of the rotary axis, in feed and rapid. Empty: no limit.")]
     };
 }
 
@@ -74,16 +60,18 @@ macro_rules! work_offset {
         ]
     };
     ($name:literal, $index:literal, $letter:literal, $axis:literal) => {
-        Parameter {
-            key: concat!("work_offsets.", $name, ".", $letter, "_mm"),
-            label: concat!($name, " ", $letter),
-            doc: "Machine coordinate of the zero point. Empty: 0. Affects moves between zero points, G53 and G28.",
-            access: number(Unit::Millimetre, (-1e5, 1e5), |m| m.work_offsets[$index].map(|point| point[$axis]), |m, v| {
+        row!(
+            concat!("work_offsets.", $name, ".", $letter, "_mm"),
+            concat!($name, " ", $letter),
+            Millimetre(-1e5, 1e5),
+            |m| m.work_offsets[$index].map(|point| point[$axis]),
+            |m, v| {
                 if let Some(value) = v {
                     m.work_offsets[$index].get_or_insert_default()[$axis] = value
                 }
-            }),
-        }
+            },
+            "Machine coordinate of the zero point. Empty: 0. Affects moves between zero points, G53 and G28."
+        )
     };
 }
 

@@ -1,13 +1,10 @@
 //! Rows of a calibration: its programs and its errors.
 
-use crate::machine::Machine;
-use crate::machine::parameter::{Access, Parameter, TOLERANCE_BOUNDS_MM, row};
+use crate::machine::parameter::{Parameter, TOLERANCE_BOUNDS_MM, list, row, whole_list};
 use crate::units::Unit;
 
-/// Returns the access to a set of axes as numbers, X as 1.
-const fn axes(get: fn(&Machine) -> Option<Vec<f64>>, set: fn(&mut Machine, Vec<f64>)) -> Access {
-    Access::List { unit: Unit::Number, min: 1.0, max: 3.0, whole: true, least: 1, most: 3, get, set }
-}
+/// Bounds of the number of an axis, X as 1.
+const AXIS_BOUNDS: (f64, f64) = (1.0, 3.0);
 
 /// Returns the set of axes with these numbers.
 fn axes_of(numbers: Vec<f64>) -> [bool; 3] {
@@ -40,102 +37,89 @@ pub const CALIBRATED: [Parameter; 16] = [
         "Lengths of the shortest and the longest straight feed block in the calibrating runs. Shorter blocks make a quote less certain."),
     row!("calibration.feeds_mm_min", "Feedrates calibrated on", extent MillimetrePerMinute (0.0, 1e6) [calibrated_on.feedrates],
         "Lowest and highest programmed feedrate in the calibrating runs. Higher feedrates make a quote less certain."),
-    Parameter {
-        key: "calibration.rapids_mm",
-        label: "Rapids calibrated on",
-        doc: "Longest travel of X, Y and Z in one rapid of the calibrating runs. Longer rapids make a quote less certain.",
-        access: Access::List {
-            unit: Unit::Millimetre,
-            min: 0.0,
-            max: 1e6,
-            whole: false,
-            least: 1,
-            most: 3,
-            get: |m| m.calibrated_on.rapids.map(|rapids| rapids.to_vec()),
-            set: |m, v| m.calibrated_on.rapids = <[f64; 3]>::try_from(v).ok(),
-        },
-    },
-    Parameter {
-        key: "calibration.velocities_mm_min",
-        label: "Velocities calibrated on",
-        doc: "Highest velocity of X, Y and Z in the calibrating runs. Faster moves make a quote less certain.",
-        access: Access::List {
-            unit: Unit::MillimetrePerMinute,
-            min: 0.0,
-            max: 1e6,
-            whole: false,
-            least: 1,
-            most: 3,
-            get: |m| m.calibrated_on.velocities.map(|velocities| velocities.to_vec()),
-            set: |m, v| m.calibrated_on.velocities = <[f64; 3]>::try_from(v).ok(),
-        },
-    },
-    Parameter {
-        key: "calibration.travels_mm",
-        label: "Travels calibrated on",
-        doc: "How far each program it was calibrated on travels: along the path, in X, in Y and in Z, one program after another. On a program that travels otherwise, a diagnosis ignores differences within the range of this file.",
-        access: Access::List {
-            unit: Unit::Millimetre,
-            min: 0.0,
-            max: 1e12,
-            whole: false,
-            least: 1,
-            most: 4000,
-            get: |m| Some(m.calibrated_on.travels.concat()).filter(|list| !list.is_empty()),
-            set: |m, v| m.calibrated_on.travels = v.as_chunks().0.to_vec(),
-        },
-    },
-    Parameter {
-        key: "calibration.assumed_accelerations",
-        label: "Assumed accelerations",
-        doc: "Axes (1 X, 2 Y, 3 Z) whose acceleration the calibrating runs do not determine. It comes from the other axes, or holds only together with theirs. A diagnosis fits it again beside each cause.",
-        access: axes(
+    row!(
+        "calibration.rapids_mm",
+        "Rapids calibrated on",
+        list(
+            Unit::Millimetre,
+            (0.0, 1e6),
+            3,
+            |m| m.calibrated_on.rapids.map(|rapids| rapids.to_vec()),
+            |m, v| m.calibrated_on.rapids = v.try_into().ok(),
+        ),
+        "Longest travel of X, Y and Z in one rapid of the calibrating runs. Longer rapids make a quote less certain."
+    ),
+    row!(
+        "calibration.velocities_mm_min",
+        "Velocities calibrated on",
+        list(
+            Unit::MillimetrePerMinute,
+            (0.0, 1e6),
+            3,
+            |m| m.calibrated_on.velocities.map(|velocities| velocities.to_vec()),
+            |m, v| m.calibrated_on.velocities = v.try_into().ok(),
+        ),
+        "Highest velocity of X, Y and Z in the calibrating runs. Faster moves make a quote less certain."
+    ),
+    row!(
+        "calibration.travels_mm",
+        "Travels calibrated on",
+        list(
+            Unit::Millimetre,
+            (0.0, 1e12),
+            4000,
+            |m| Some(m.calibrated_on.travels.concat()).filter(|list| !list.is_empty()),
+            |m, v| m.calibrated_on.travels = v.as_chunks().0.to_vec(),
+        ),
+        "How far each program it was calibrated on travels: along the path, in X, in Y and in Z, one program after another. On a program that travels otherwise, a diagnosis ignores differences within the range of this file."
+    ),
+    row!(
+        "calibration.assumed_accelerations",
+        "Assumed accelerations",
+        whole_list(
+            AXIS_BOUNDS,
+            3,
             |m| numbers_of(m.calibrated_on.assumed_accelerations),
             |m, v| m.calibrated_on.assumed_accelerations = axes_of(v),
         ),
-    },
-    Parameter {
-        key: "calibration.assumed_rapids",
-        label: "Assumed rapids",
-        doc: "Axes (1 X, 2 Y, 3 Z) that reached their rapid rate in no calibrating run. The rate comes from the machine file before, or from other axes. A diagnosis of another program takes it from the recording first.",
-        access: axes(
+        "Axes (1 X, 2 Y, 3 Z) whose acceleration the calibrating runs do not determine. It comes from the other axes, or holds only together with theirs. A diagnosis fits it again beside each cause."
+    ),
+    row!(
+        "calibration.assumed_rapids",
+        "Assumed rapids",
+        whole_list(
+            AXIS_BOUNDS,
+            3,
             |m| numbers_of(m.calibrated_on.assumed_rapids),
             |m, v| m.calibrated_on.assumed_rapids = axes_of(v),
         ),
-    },
-    Parameter {
-        key: "calibration.m_codes",
-        label: "M words calibrated on",
-        doc: "M words of the calibrating programs: 6 for a tool change, 3 and 5 for the start and the stop of the spindle. The times of all others come from the machine file before: they make a quote less certain, and a diagnosis of another program takes them from the recording first. Empty: unknown.",
-        access: Access::List {
-            unit: Unit::Number,
-            min: 0.0,
-            max: 9999.0,
-            whole: true,
-            least: 0,
-            most: 1000,
-            get: |m| {
-                m.calibrated_on
-                    .m_codes
-                    .as_ref()
-                    .map(|codes| codes.iter().map(|code| f64::from(*code)).collect())
-            },
-            set: |m, v| m.calibrated_on.m_codes = Some(v.into_iter().map(|code| code as u32).collect()),
-        },
-    },
-    Parameter {
-        key: "calibration.tolerances_mm",
-        label: "Tolerances of that error",
-        doc: "The error of the cycle time holds at these contour tolerances only. Empty: at the contour tolerance.",
-        access: Access::List {
-            unit: Unit::Millimetre,
-            min: TOLERANCE_BOUNDS_MM.0,
-            max: TOLERANCE_BOUNDS_MM.1,
-            whole: false,
-            least: 1,
-            most: 20,
-            get: |m| Some(m.calibrated_at.clone()).filter(|list| !list.is_empty()),
-            set: |m, v| m.calibrated_at = v,
-        },
-    },
+        "Axes (1 X, 2 Y, 3 Z) that reached their rapid rate in no calibrating run. The rate comes from the machine file before, or from other axes. A diagnosis of another program takes it from the recording first."
+    ),
+    row!(
+        "calibration.m_codes",
+        "M words calibrated on",
+        whole_list(
+            (0.0, 9999.0),
+            1000,
+            |m| m
+                .calibrated_on
+                .m_codes
+                .as_ref()
+                .map(|codes| codes.iter().map(|code| f64::from(*code)).collect()),
+            |m, v| m.calibrated_on.m_codes = Some(v.into_iter().map(|code| code as u32).collect()),
+        ),
+        "M words of the calibrating programs: 6 for a tool change, 3 and 5 for the start and the stop of the spindle, 30 for the end. The times of all others come from the machine file before: they make a quote less certain, and a diagnosis of another program takes them from the recording first. Empty: unknown."
+    ),
+    row!(
+        "calibration.tolerances_mm",
+        "Tolerances of that error",
+        list(
+            Unit::Millimetre,
+            TOLERANCE_BOUNDS_MM,
+            20,
+            |m| Some(m.calibrated_at.clone()).filter(|list| !list.is_empty()),
+            |m, v| m.calibrated_at = v,
+        ),
+        "The error of the cycle time holds at these contour tolerances only. Empty: at the contour tolerance."
+    ),
 ];

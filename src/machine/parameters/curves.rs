@@ -1,8 +1,7 @@
 //! Rows of arcs and of positioning: the accuracy of arcs, and the ramps of rapids.
 
 use crate::machine::ArcChords;
-use crate::machine::parameter::{Access, JERK_BOUNDS_MM_S3, Parameter, TOLERANCE_BOUNDS_MM, number, row};
-use crate::units::Unit;
+use crate::machine::parameter::{JERK_BOUNDS_MM_S3, Parameter, TOLERANCE_BOUNDS_MM, row};
 
 /// The rows.
 pub(super) const CURVES: [Parameter; 7] = [
@@ -12,48 +11,18 @@ pub(super) const CURVES: [Parameter; 7] = [
         "Rapids start and stop at rest; each filter averages over T1 = √(top speed / jerk), for the axis that travels furthest. Empty: rapids are blended."),
     row!("path.jerk_mm_s3", "Path jerk limit", limit MillimetrePerSecond3 JERK_BOUNDS_MM_S3 [path.jerk],
         "Largest jerk along the path: before the filters, a change of feedrate by Δv takes 2 √(Δv / jerk). Empty: no limit."),
-    Parameter {
-        key: "path.acceleration_limits_command",
-        label: "Acceleration before the filters",
-        doc: "The control applies acceleration limits before its filters, so a ramp takes the time of both; otherwise Truefeed slows the filtered motion where it exceeds them.",
-        access: Access::Flag { get: |m| m.path.limits_command, set: |m, v| m.path.limits_command = v },
-    },
-    Parameter {
-        key: "interpolator.arc_chord_error_mm",
-        label: "Chords of arcs within",
-        doc: "The control divides arcs into chords within this distance, each a block, as grbl ($12). Empty: it does not.",
-        access: number(
-            Unit::Millimetre,
-            (1e-5, 10.0),
-            |m| match m.interpolator.arc_chords {
-                ArcChords::Within(value) => Some(value),
-                _ => None,
-            },
-            |m, v| match (v, m.interpolator.arc_chords) {
-                (Some(value), _) => m.interpolator.arc_chords = ArcChords::Within(value),
-                (None, ArcChords::Within(_)) => m.interpolator.arc_chords = ArcChords::Whole,
-                _ => (),
-            },
-        ),
-    },
-    Parameter {
-        key: "interpolator.arc_chord_mm",
-        label: "Chords of arcs of",
-        doc: "The control divides arcs into chords of this length, each a block, as Klipper (resolution). Empty: it does not.",
-        access: number(
-            Unit::Millimetre,
-            (1e-3, 100.0),
-            |m| match m.interpolator.arc_chords {
-                ArcChords::Long(value) => Some(value),
-                _ => None,
-            },
-            |m, v| match (v, m.interpolator.arc_chords) {
-                (Some(value), _) => m.interpolator.arc_chords = ArcChords::Long(value),
-                (None, ArcChords::Long(_)) => m.interpolator.arc_chords = ArcChords::Whole,
-                _ => (),
-            },
-        ),
-    },
+    row!(
+        "path.acceleration_limits_command",
+        "Acceleration before the filters",
+        flag[path.limits_command],
+        "The control applies acceleration limits before its filters, so a ramp takes the time of both; otherwise Truefeed slows the filtered motion where it exceeds them."
+    ),
+    row!("interpolator.arc_chord_error_mm", "Chords of arcs within",
+        case Millimetre (1e-5, 10.0) [interpolator.arc_chords] of ArcChords::Within, else ArcChords::Whole,
+        "The control divides arcs into chords within this distance, each a block, as grbl ($12). Empty: it does not."),
+    row!("interpolator.arc_chord_mm", "Chords of arcs of",
+        case Millimetre (1e-3, 100.0) [interpolator.arc_chords] of ArcChords::Long, else ArcChords::Whole,
+        "The control divides arcs into chords of this length, each a block, as Klipper (resolution). Empty: it does not."),
     row!("interpolator.minimum_cruise_ratio", "Minimum cruise ratio", value Number (0.0, 0.99) [interpolator.minimum_cruise_ratio] or 0.0,
         "Limits the speed of moves that only accelerate and brake, as Klipper does, by lowering their acceleration by this part. Needs acceleration before the filters. 0: no such limit."),
 ];

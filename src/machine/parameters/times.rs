@@ -2,36 +2,17 @@
 //!
 //! If a time is empty, the time of all other M-words applies, which is 0 by default.
 
-use std::collections::BTreeMap;
-
-use crate::machine::parameter::{Access, Parameter, row};
-use crate::machine::{FunctionTimes, Machine};
-use crate::units::Unit;
+use crate::machine::FunctionTimes;
+use crate::machine::parameter::{Parameter, row, whole_list};
 
 /// Bounds of the time of a machine function, s: up to an hour.
 const TIME_BOUNDS_S: (f64, f64) = (0.0, 3600.0);
 
-/// Returns the row of the M-words of a group.
-const fn words(
-    key: &'static str,
-    label: &'static str,
-    doc: &'static str,
-    get: fn(&Machine) -> Option<Vec<f64>>,
-    set: fn(&mut Machine, Vec<f64>),
-) -> Parameter {
-    let access =
-        Access::List { unit: Unit::Number, min: 0.0, max: 9999.0, whole: true, least: 1, most: 20, get, set };
-    Parameter { key, label, doc, access }
-}
+/// Bounds of the number of an M-code.
+const CODE_BOUNDS: (f64, f64) = (0.0, 9999.0);
 
-/// Returns the access to seconds by word.
-const fn codes(
-    letter: char,
-    get: fn(&Machine) -> &BTreeMap<u32, f64>,
-    get_mut: fn(&mut Machine) -> &mut BTreeMap<u32, f64>,
-) -> Access {
-    Access::Codes { letter, unit: Unit::Second, min: TIME_BOUNDS_S.0, max: TIME_BOUNDS_S.1, get, get_mut }
-}
+/// Largest number of M-codes in a group.
+const MAX_CODES: usize = 20;
 
 fn written(words: &[u32]) -> Option<Vec<f64>> {
     Some(words.iter().map(|word| f64::from(*word)).collect())
@@ -48,12 +29,8 @@ pub(super) const TIMES: [Parameter; 22] = [
         "Time of a tool change at M6, from the stop of the spindle until the new tool is clamped. A chip-to-chip time also includes the start of the spindle and the moves to the change position."),
     row!("times.first_tool_change_s", "First tool change", optional Second TIME_BOUNDS_S [times.first_tool_change],
         "Time of the first tool change of a program, when the spindle is empty. Empty: as others."),
-    Parameter {
-        key: "times.tools",
-        label: "Tools with their own change time",
-        doc: "Seconds by tool, for example T12 = 9.0 for a heavy tool that the changer moves slowly.",
-        access: codes('T', |m| &m.times.tools, |m| &mut m.times.tools),
-    },
+    row!("times.tools", "Tools with their own change time", codes 'T' Second TIME_BOUNDS_S [times.tools],
+        "Seconds by tool, for example T12 = 9.0 for a heavy tool that the changer moves slowly."),
     row!("times.spindle_start_s", "Spindle start", optional Second TIME_BOUNDS_S [times.spindle.start],
         "Time of M3 and M4 from standstill, without the ramp. Empty: as other M-codes."),
     row!("times.spindle_stop_s", "Spindle stop", optional Second TIME_BOUNDS_S [times.spindle.stop],
@@ -62,12 +39,16 @@ pub(super) const TIMES: [Parameter; 22] = [
         "Time for each 1000 rpm by which the speed changes. 0: none, and an S word alone does not stop the motion."),
     row!("times.spindle_exponent", "Exponent of the spindle ramp", optional Number (1.0, 4.0) [times.spindle.exponent],
         "The time of the ramp grows with this power of the speed: 1 at constant torque, 2 at constant power, up to 3 where power falls. The time to 10 000 rpm does not change. Empty: 1."),
-    words(
+    row!(
         "times.spindle_awaited_by",
         "M-codes that wait for the spindle",
-        "Numbers of the M-codes that wait until the spindle has its speed, on controls where M3 and M5 only start the ramp: for example [8, 1, 30]. Empty: M3 to M5 wait themselves.",
-        |m| written(&m.times.spindle_awaited_by).filter(|words| !words.is_empty()),
-        |m, v| m.times.spindle_awaited_by = read(v),
+        whole_list(
+            CODE_BOUNDS,
+            MAX_CODES,
+            |m| written(&m.times.spindle_awaited_by).filter(|words| !words.is_empty()),
+            |m, v| m.times.spindle_awaited_by = read(v),
+        ),
+        "Numbers of the M-codes that wait until the spindle has its speed, on controls where M3 and M5 only start the ramp: for example [8, 1, 30]. Empty: M3 to M5 wait themselves."
     ),
     row!("times.spindle_change_s", "Wait at S words", value Second TIME_BOUNDS_S [times.spindle_change] or 0.0,
         "Time that the feed waits at an S word in a block of motion until the spindle has its speed. 0: it does not wait."),
@@ -79,41 +60,42 @@ pub(super) const TIMES: [Parameter; 22] = [
         "Time of M9. Empty: as other M-codes."),
     row!("times.program_stop_s", "Program stop", optional Second TIME_BOUNDS_S [times.program_stop],
         "How long the machine waits at M0 until somebody restarts it. Empty: as other M-codes."),
-    Parameter {
-        key: "times.optional_stop",
-        label: "Optional stop taken",
-        doc: "The optional-stop switch is on, and the machine waits at M1; otherwise M1 takes the time of other M-codes.",
-        access: Access::Flag {
-            get: |m| m.times.takes_optional_stop,
-            set: |m, v| m.times.takes_optional_stop = v,
-        },
-    },
+    row!(
+        "times.optional_stop",
+        "Optional stop taken",
+        flag[times.takes_optional_stop],
+        "The optional-stop switch is on, and the machine waits at M1; otherwise M1 takes the time of other M-codes."
+    ),
     row!("times.optional_stop_s", "Optional stop", optional Second TIME_BOUNDS_S [times.optional_stop],
         "How long the machine waits at M1 with the switch on. Empty: as at M0."),
     row!("times.pallet_change_s", "Pallet change", optional Second TIME_BOUNDS_S [times.pallet_change],
         "Time of the M-codes that change the pallet. Empty: as other M-codes."),
-    words(
+    row!(
         "times.pallet_words",
         "M-codes that change the pallet",
-        "Numbers of the M-codes that change the pallet.",
-        |m| written(&m.times.pallet_words),
-        |m, v| m.times.pallet_words = read(v),
+        whole_list(
+            CODE_BOUNDS,
+            MAX_CODES,
+            |m| written(&m.times.pallet_words),
+            |m, v| m.times.pallet_words = read(v),
+        ),
+        "Numbers of the M-codes that change the pallet."
     ),
     row!("times.clamp_s", "Clamping", optional Second TIME_BOUNDS_S [times.clamp],
         "Time of each M-code that clamps or unclamps an axis or the part. Empty: as other M-codes."),
-    words(
+    row!(
         "times.clamp_words",
         "M-codes that clamp",
-        "Numbers of the M-codes that clamp and unclamp.",
-        |m| written(&m.times.clamp_words),
-        |m, v| m.times.clamp_words = read(v),
+        whole_list(
+            CODE_BOUNDS,
+            MAX_CODES,
+            |m| written(&m.times.clamp_words),
+            |m, v| m.times.clamp_words = read(v),
+        ),
+        "Numbers of the M-codes that clamp and unclamp."
     ),
     row!("times.m_code_s", "Other M-codes", value Second TIME_BOUNDS_S [times.m_code] or 0.0,
         "Time of every M-code without its own time, in addition to stopping. 0: none."),
-    Parameter {
-        key: "times.m_codes",
-        label: "M-codes with their own time",
-        doc: "Seconds by M-code, instead of the time of its group: M8 = 3.0 for a coolant that needs 3 s. Not for tool changes.",
-        access: codes('M', |m| &m.times.m_codes, |m| &mut m.times.m_codes),
-    },
+    row!("times.m_codes", "M-codes with their own time", codes 'M' Second TIME_BOUNDS_S [times.m_codes],
+        "Seconds by M-code, instead of the time of its group: M8 = 3.0 for a coolant that needs 3 s. Not for tool changes."),
 ];

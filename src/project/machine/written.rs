@@ -82,9 +82,9 @@ pub fn set(machine: &mut Machine, key: &str, written: WrittenValue) -> Result<()
         (Access::Number { set, .. }, WrittenValue::Empty) if !REQUIRED_KEYS.contains(&key) => {
             set(machine, None)
         }
-        (Access::List { unit, min, max, whole, least, most, set, .. }, WrittenValue::List(values)) => {
-            if !(*least..=*most).contains(&values.len()) {
-                return expected(format!("{least} to {most} numbers"));
+        (Access::List { unit, min, max, whole, most, set, .. }, WrittenValue::List(values)) => {
+            if values.is_empty() || *most < values.len() {
+                return expected(format!("one to {most} numbers"));
             }
             for &value in &values {
                 within(value, *min, *max, unit.symbol())?;

@@ -31,6 +31,7 @@
 
 pub mod address;
 mod branch;
+mod computed_word;
 mod dialect;
 mod diagnostic;
 mod diameters;

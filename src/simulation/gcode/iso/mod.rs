@@ -13,7 +13,7 @@ use crate::simulation::gcode::line::{
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
-use crate::simulation::gcode::{Action, Dialect, Place, Reference, Target, Word, address};
+use crate::simulation::gcode::{Action, Dialect, Place, Reference, Target, address};
 
 /// Values of the M words that call or return.
 const CALLING_M: &[f64] = &[97.0, 98.0, 99.0, 198.0];
@@ -192,30 +192,15 @@ impl Reader<'_> {
 
     /// Reads the value behind the sign at `at` as a word of the longer `address`; returns its end.
     fn long_word(&mut self, text: &[u8], at: usize, address: u8, line: &mut Line) -> Result<usize, Refusal> {
-        let target = Target::Word(self.program.words.len() as u32);
-        let (end, columns) = self.formula(Notation::Iso, text, (at, at + 1), line, |expressions| {
-            expressions.value()?;
-            Ok(target)
-        })?;
+        let (end, columns) = self.formula_of_word(Notation::Iso, text, (at, at + 1), line)?;
         self.push_word(address, f64::NAN, columns);
         Ok(end)
     }
 
     /// Reads the word with its letter at `at` and a formula as its value; returns its end.
     fn word_with_formula(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
-        let target = Target::Word(self.program.words.len() as u32);
-        let (end, columns) = self.formula(Notation::Iso, text, (at, at + 1), line, |expressions| {
-            expressions.value()?;
-            Ok(target)
-        })?;
-        let letter = text[at].to_ascii_uppercase();
-        self.program.words.push(Word {
-            value: f64::NAN,
-            columns: columns.into(),
-            letter,
-            has_point: false,
-            reference: Reference::Modal,
-        });
+        let (end, columns) = self.formula_of_word(Notation::Iso, text, (at, at + 1), line)?;
+        self.push_computed(text[at].to_ascii_uppercase(), Reference::Modal, columns);
         Ok(end)
     }
 

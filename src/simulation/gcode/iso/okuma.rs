@@ -17,7 +17,7 @@ use crate::simulation::gcode::number::{number, skip_blanks};
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::{
-    Action, Destination, Direction, Label, LabelKind, Place, Reference, Step, Target, Word, address,
+    Action, Destination, Direction, Label, LabelKind, Place, Reference, Step, Target, address,
 };
 
 /// Longest name, bytes; with a bound, a line without blanks is not searched again from each of its words.
@@ -122,15 +122,7 @@ impl Reader<'_> {
             Ok(target)
         })?;
         if name.len() == 1 {
-            let letter = name[0].to_ascii_uppercase();
-            let (has_point, reference) = (false, Reference::Modal);
-            self.program.words.push(Word {
-                value: f64::NAN,
-                columns: columns.into(),
-                letter,
-                has_point,
-                reference,
-            });
+            self.push_computed(name[0].to_ascii_uppercase(), Reference::Modal, columns);
         }
         Ok(end)
     }

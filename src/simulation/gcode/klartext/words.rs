@@ -129,18 +129,8 @@ impl Reader<'_> {
             self.program.words.push(Word { value, columns: columns.into(), letter, has_point, reference });
             return Ok(end);
         }
-        let target = Target::Word(self.program.words.len() as u32);
-        let (end, columns) = self.formula(Notation::Klartext, code, (at, start), line, |expressions| {
-            expressions.value()?;
-            Ok(target)
-        })?;
-        self.program.words.push(Word {
-            value: f64::NAN,
-            columns: columns.into(),
-            letter,
-            has_point: false,
-            reference,
-        });
+        let (end, columns) = self.formula_of_word(Notation::Klartext, code, (at, start), line)?;
+        self.push_computed(letter, reference, columns);
         Ok(end)
     }
 

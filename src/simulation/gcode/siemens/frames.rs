@@ -9,7 +9,6 @@
 //! Each part becomes the equivalent statement in its own block. Other parts, and other frames (`$P_UIFR[1]`), have
 //! no model; a remark names them.
 
-use crate::simulation::gcode::Target;
 use crate::simulation::gcode::expression::{Notation, identifier};
 use crate::simulation::gcode::line::{Line, excerpt, semicolon};
 use crate::simulation::gcode::number::skip_blanks;
@@ -95,12 +94,8 @@ impl Reader<'_> {
                     if text.get(comma) != Some(&b',') {
                         return missing("`,`", comma, line);
                     }
-                    let target = Target::Word(self.program.words.len() as u32);
                     let (end, columns) =
-                        self.formula(Notation::Siemens, text, (next, comma + 1), line, |expressions| {
-                            expressions.expression(0)?;
-                            Ok(target)
-                        })?;
+                        self.formula_of_word(Notation::Siemens, text, (next, comma + 1), line)?;
                     self.push_word(letter, f64::NAN, columns);
                     next = end;
                 }

@@ -17,7 +17,7 @@ use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::siemens::keywords::known;
 use crate::simulation::gcode::siemens::names::{ADDRESSES, IGNORED, named_word};
 use crate::simulation::gcode::siemens::{closing, quoted};
-use crate::simulation::gcode::{Reference, Step, Target, Word, address};
+use crate::simulation::gcode::{Reference, Step, Target, address};
 
 impl Reader<'_> {
     /// Reads `X=…`, `CR=…`, `R1=…`, `_DEPTH=…`, `T="MILL"` or `S1=…`; returns its end.
@@ -63,14 +63,8 @@ impl Reader<'_> {
             return self.siemens_unused_value(text, value, line);
         };
         let (reference, start) = reference(text, start);
-        let target = Target::Word(self.program.words.len() as u32);
-        let (end, columns) = self.formula(Notation::Siemens, text, (at, start), line, |expressions| {
-            expressions.expression(0)?;
-            Ok(target)
-        })?;
-        let word =
-            Word { value: f64::NAN, columns: columns.into(), letter: address, has_point: false, reference };
-        self.program.words.push(word);
+        let (end, columns) = self.formula_of_word(Notation::Siemens, text, (at, start), line)?;
+        self.push_computed(address, reference, columns);
         if address == b'M' {
             line.has_call_words = false;
         }
@@ -140,13 +134,9 @@ impl Reader<'_> {
             return self.siemens_unused_value(text, equals + 1, line);
         }
         if name == b"SPOS" {
-            let target = Target::Word(self.program.words.len() as u32);
-            let (start, letter) = (reference(text, equals + 1).1, address::SPINDLE_POSITION);
-            let (end, columns) = self.formula(Notation::Siemens, text, (at, start), line, |expressions| {
-                expressions.expression(0)?;
-                Ok(target)
-            })?;
-            self.push_word(letter, f64::NAN, columns);
+            let (_, start) = reference(text, equals + 1);
+            let (end, columns) = self.formula_of_word(Notation::Siemens, text, (at, start), line)?;
+            self.push_word(address::SPINDLE_POSITION, f64::NAN, columns);
             return Ok(end);
         }
         if name == b"PO" {
@@ -189,12 +179,8 @@ impl Reader<'_> {
             return Err((Unread::Text { text: excerpt(&text[at..]) }, line.columns(at, close)));
         };
         let letter = letter.to_ascii_uppercase();
-        let target = Target::Word(self.program.words.len() as u32);
         let start = value + usize::from(has_list);
-        let (end, columns) = self.formula(Notation::Siemens, text, (at, start), line, |expressions| {
-            expressions.expression(0)?;
-            Ok(target)
-        })?;
+        let (end, columns) = self.formula_of_word(Notation::Siemens, text, (at, start), line)?;
         if !letter.is_ascii_uppercase() {
             return Err((Unread::Text { text: excerpt(&text[at..]) }, line.columns(at, close)));
         }
