@@ -1,4 +1,4 @@
-//! A plotters backend with a measure of text of its own.
+//! A plotters backend that measures text by its letters or by a canvas, instead of by the page.
 //!
 //! In a browser, plotters measures a text by inserting it in the page with an inline style. The page's
 //! Content-Security-Policy refuses that style, and the browser would lay out the page again for each label.
