@@ -23,7 +23,7 @@ pub enum ToleranceError {
     /// There is no number, or an unknown unit.
     #[error("“{text}” is not a tolerance. Type {}.", example(*.unit))]
     NotANumber {
-        /// What was typed.
+        /// The typed text.
         text: String,
         /// Unit of a number alone.
         unit: LengthUnit,
@@ -42,7 +42,7 @@ pub enum ToleranceError {
     },
 }
 
-/// Returns what one can type as a tolerance in a unit.
+/// Returns examples of tolerances in a unit.
 fn example(unit: LengthUnit) -> &'static str {
     match unit {
         LengthUnit::Millimetre => "a number of micrometres, for example 15, or 0.015 mm",
