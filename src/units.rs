@@ -20,6 +20,9 @@
 /// Millimetres in an inch, exact by definition.
 pub const MM_PER_INCH: f64 = 25.4;
 
+/// Thousandths of an inch (thou) in an inch.
+const THOU_PER_INCH: f64 = 1000.0;
+
 /// Millimetres in a metre.
 const MM_PER_M: f64 = 1000.0;
 
@@ -46,6 +49,11 @@ pub fn micrometres(length: f64) -> f64 {
 /// Converts µm to mm.
 pub fn mm_of_micrometres(length_micrometres: f64) -> f64 {
     length_micrometres / MICROMETRES_PER_MM
+}
+
+/// Converts thousandths of an inch to mm.
+pub fn mm_of_thou(length_thou: f64) -> f64 {
+    length_thou * MM_PER_INCH / THOU_PER_INCH
 }
 
 /// Converts mm/min to mm/s.
@@ -131,6 +139,14 @@ impl LengthUnit {
         match self {
             LengthUnit::Millimetre => micrometres(length),
             LengthUnit::Inch => self.from_mm(length),
+        }
+    }
+
+    /// Converts the unit of tolerances and errors to mm.
+    pub fn mm_of_fine(self, length: f64) -> f64 {
+        match self {
+            LengthUnit::Millimetre => mm_of_micrometres(length),
+            LengthUnit::Inch => self.to_mm(length),
         }
     }
 
@@ -274,6 +290,8 @@ mod tests {
         assert_eq!((unit.from_mm(50.8), unit.to_mm(2.0), unit.fine(0.254)), (2.0, 50.8, 0.01));
         // 2540 mm/min.
         assert!((unit.feedrate(mm_per_s(2540.0)) - 100.0).abs() < 1e-12);
+        assert_eq!((unit.mm_of_fine(0.01), LengthUnit::Millimetre.mm_of_fine(10.0)), (0.254, 0.01));
+        assert!((mm_of_thou(1.0) - 0.0254).abs() < 1e-15);
         assert_eq!(LengthUnit::from_word("cubit"), None);
     }
 }

@@ -96,6 +96,9 @@ export function showLengthsIn(chosen) {
 /** The word of that unit, which Rust asks for as well. */
 export const lengthWord = () => unit.word
 
+/** The symbol of tolerances and errors. */
+export const fineSymbol = () => unit.fine_symbol
+
 /** The symbols of lengths and of feedrates. */
 export const lengthSymbols = () => [unit.symbol, unit.feed_symbol]
 

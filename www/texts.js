@@ -157,11 +157,11 @@ export const say = {
   },
   tolerances: {
     contourTolerances: 'Contour tolerances',
-    addInMicrometres: 'Add a contour tolerance in micrometres',
+    addTolerance: (unit) => `Add a contour tolerance (${unit})`,
     what: 'Settings of the control. One is quoted, the others are compared.',
     quoted: 'Quoted',
     leaves: 'Leaves path by',
-    addUm: 'add µm',
+    addIn: (unit) => `add ${unit}`,
     add: 'Add',
     resetTitle: 'Back to the usual tolerances',
     asProgrammedTitle: 'Show the tolerances that the program sets',

@@ -151,7 +151,7 @@
  */
 
 /** A machine to begin with; `kept` in this browser. @typedef {{name: string, source: string, caveat: string, values: Values, kept?: boolean}} Preset */
-/** A unit in which lengths and feedrates can be shown. @typedef {{word: string, symbol: string, feed_symbol: string, in_mm: number, decimals: number, feed_decimals: number}} LengthUnit */
+/** A unit in which lengths and feedrates can be shown. @typedef {{word: string, symbol: string, feed_symbol: string, fine_symbol: string, in_mm: number, decimals: number, feed_decimals: number}} LengthUnit */
 /** @typedef {{fields: Parameter[], presets: Preset[], lengths: LengthUnit[], version: string}} Form */
 
 /**

@@ -1,11 +1,12 @@
-//! Contour tolerances as people enter and read them: in µm unless they write mm; the page can show inches.
+//! Contour tolerances as people enter and read them: in the unit that the page shows, µm or inches, unless they
+//! write another one.
 //!
 //! ```text
-//! tolerance = number, [ "um" | "µm" | "μm" | "mm" ]      decimal point or comma
+//! tolerance = number, [ "um" | "µm" | "μm" | "mm" | "in" | '"' | "thou" | "mil" ]      decimal point or comma
 //! ```
 
 use crate::machine::{Access, parameter};
-use crate::units::{LengthUnit, micrometres, mm_of_micrometres};
+use crate::units::{LengthUnit, micrometres, mm_of_micrometres, mm_of_thou};
 
 /// Key of the tolerance in the machine file and on the page.
 const TOLERANCE_KEY: &str = "interpolator.contour_tolerance_mm";
@@ -20,11 +21,18 @@ pub const USUAL_TOLERANCES_MM: [f64; 3] = [0.010, 0.020, 0.050];
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ToleranceError {
     /// There is no number, or an unknown unit.
-    #[error("“{0}” is not a tolerance. Type a number of micrometres, for example 15, or 0.015 mm.")]
-    NotANumber(String),
+    #[error("“{text}” is not a tolerance. Type {}.", example(*.unit))]
+    NotANumber {
+        /// The typed text.
+        text: String,
+        /// Unit of a number alone.
+        unit: LengthUnit,
+    },
     /// The value is outside the bounds of machines.
-    #[error("{} is out of range: a tolerance lies between {} and {}.", tolerance_label(*.value), tolerance_label(*.min), tolerance_label(*.max))]
+    #[error("{} is out of range: a tolerance lies between {} and {}.", tolerance_label_in(*.unit, *.value), tolerance_label_in(*.unit, *.min), tolerance_label_in(*.unit, *.max))]
     OutOfRange {
+        /// Unit of the message.
+        unit: LengthUnit,
         /// The value, mm.
         value: f64,
         /// Least tolerance, mm.
@@ -34,18 +42,29 @@ pub enum ToleranceError {
     },
 }
 
-/// Returns the tolerance (mm) that a text names.
+/// Returns examples of tolerances in a unit.
+fn example(unit: LengthUnit) -> &'static str {
+    match unit {
+        LengthUnit::Millimetre => "a number of micrometres, for example 15, or 0.015 mm",
+        LengthUnit::Inch => "a number of inches, for example 0.0005, or 0.5 thou",
+    }
+}
+
+/// Returns the tolerance (mm) that a text names; a number alone is in the fine unit of `unit`.
 ///
 /// # Errors
 ///
 /// Returns an error if the text is no number, or no tolerance that a machine can have.
-pub fn tolerance_from_text(text: &str) -> Result<f64, ToleranceError> {
+pub fn tolerance_from_text(text: &str, unit: LengthUnit) -> Result<f64, ToleranceError> {
     let trimmed = text.trim();
-    let number = trimmed.trim_end_matches(|c: char| c.is_alphabetic() || c.is_whitespace());
-    let not_a_number = || ToleranceError::NotANumber(trimmed.to_string());
+    let number = trimmed.trim_end_matches(|c: char| c.is_alphabetic() || c.is_whitespace() || c == '"');
+    let not_a_number = || ToleranceError::NotANumber { text: trimmed.to_string(), unit };
     let mm: fn(f64) -> f64 = match trimmed[number.len()..].trim() {
+        "" if unit == LengthUnit::Inch => |value| LengthUnit::Inch.mm_of_fine(value),
         "" | "um" | "µm" | "μm" => mm_of_micrometres,
         "mm" => |value| value,
+        "in" | "\"" => |value| LengthUnit::Inch.to_mm(value),
+        "thou" | "mil" => mm_of_thou,
         _ => return Err(not_a_number()),
     };
     if number.split_once(',').is_some_and(|(whole, rest)| !whole.starts_with('0') && rest.len() == 3) {
@@ -53,7 +72,7 @@ pub fn tolerance_from_text(text: &str) -> Result<f64, ToleranceError> {
         return Err(not_a_number());
     }
     let typed: f64 = number.replace(',', ".").parse().map_err(|_| not_a_number())?;
-    checked_tolerance(mm(typed))
+    checked_tolerance_in(unit, mm(typed))
 }
 
 /// Returns the tolerance (mm) if a machine can have it.
@@ -62,9 +81,13 @@ pub fn tolerance_from_text(text: &str) -> Result<f64, ToleranceError> {
 ///
 /// Returns an error if no machine can have it.
 pub fn checked_tolerance(value: f64) -> Result<f64, ToleranceError> {
+    checked_tolerance_in(LengthUnit::Millimetre, value)
+}
+
+fn checked_tolerance_in(unit: LengthUnit, value: f64) -> Result<f64, ToleranceError> {
     let (min, max) = bounds();
     if value.is_nan() || value < min || max < value {
-        return Err(ToleranceError::OutOfRange { value, min, max });
+        return Err(ToleranceError::OutOfRange { unit, value, min, max });
     }
     Ok(value)
 }
@@ -108,6 +131,35 @@ fn bounds() -> (f64, f64) {
 mod tests {
     use super::*;
 
+    fn in_mm(text: &str) -> Result<f64, ToleranceError> {
+        tolerance_from_text(text, LengthUnit::Millimetre)
+    }
+
+    #[test]
+    fn a_number_alone_is_in_the_unit_shown_and_a_number_with_a_unit_is_in_its_own() {
+        for (text, shown_mm, shown_inch) in [
+            ("0.25", 0.00025, 6.35),
+            ("0.0005 in", 0.0127, 0.0127),
+            (".0005\"", 0.0127, 0.0127),
+            ("0.5 thou", 0.0127, 0.0127),
+            ("1 mil", 0.0254, 0.0254),
+            ("15 µm", 0.015, 0.015),
+            ("0,015 mm", 0.015, 0.015),
+        ] {
+            let read = |unit: LengthUnit| tolerance_from_text(text, unit).expect(text);
+            assert!((read(LengthUnit::Millimetre) - shown_mm).abs() < 1e-15, "{text}");
+            assert!((read(LengthUnit::Inch) - shown_inch).abs() < 1e-12, "{text}");
+        }
+        let fault = |text: &str| tolerance_from_text(text, LengthUnit::Inch).expect_err(text).to_string();
+        // Somebody who means 15 µm.
+        assert!(
+            fault("15").starts_with("15 in is out of range") && fault("15").contains("0.3937 in"),
+            "{}",
+            fault("15")
+        );
+        assert!(fault("ten").contains("inches, for example 0.0005"));
+    }
+
     #[test]
     fn reads_micrometres_and_millimetres() {
         for (text, tolerance) in [
@@ -118,20 +170,20 @@ mod tests {
             ("0,015 mm", 0.015),
             ("1e1", 0.01),
         ] {
-            let read = tolerance_from_text(text).expect(text);
+            let read = in_mm(text).expect(text);
             assert!((read - tolerance).abs() < 1e-15, "{text}: {read}");
         }
     }
 
     #[test]
     fn refuses_what_is_none_and_says_the_bounds() {
-        for text in ["", "x", "10 in", "1 2", "NaN", "1,000", "12,500 mm"] {
-            assert!(matches!(tolerance_from_text(text), Err(ToleranceError::NotANumber(_))), "{text}");
+        for text in ["", "x", "10 inch", "10 \"in", "1 2", "NaN", "1,000", "12,500 mm"] {
+            assert!(matches!(in_mm(text), Err(ToleranceError::NotANumber { .. })), "{text}");
         }
         for text in ["0", "-3", "1e9", "inf 3"] {
-            assert!(tolerance_from_text(text).is_err(), "{text}");
+            assert!(in_mm(text).is_err(), "{text}");
         }
-        let message = tolerance_from_text("20000").expect_err("20 mm is too much").to_string();
+        let message = in_mm("20000").expect_err("20 mm is too much").to_string();
         assert!(message.contains("10000 µm"), "{message}");
     }
 
@@ -143,7 +195,7 @@ mod tests {
     #[test]
     fn what_is_shown_reads_back() {
         for tolerance in USUAL_TOLERANCES_MM {
-            let read = tolerance_from_text(&tolerance_label(tolerance)).expect("a label is a tolerance");
+            let read = in_mm(&tolerance_label(tolerance)).expect("a label is a tolerance");
             assert!((read - tolerance).abs() < 1e-12);
         }
     }

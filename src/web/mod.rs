@@ -62,6 +62,7 @@ use crate::quote;
 use crate::simulation::gcode::Options;
 use crate::simulation::interpreter;
 use crate::simulation::toolpath::Toolpath;
+use crate::units::LengthUnit;
 use crate::web::theme::length_unit;
 
 /// Returns the path of a program on a machine.
@@ -133,10 +134,12 @@ pub fn usual_tolerances() -> Vec<f64> {
     USUAL_TOLERANCES_MM.to_vec()
 }
 
-/// Returns the tolerance (mm) in a text; throws the reason as a string if the text is not a tolerance.
+/// Returns the tolerance (mm) in a text; a number alone is in the fine unit of the unit with this word. Throws
+/// the reason as a string if the text is not a tolerance.
 #[wasm_bindgen(js_name = toleranceFromText)]
-pub fn tolerance_from(text: &str) -> Result<f64, String> {
-    tolerance_from_text(text).map_err(|error| error.to_string())
+pub fn tolerance_from(text: &str, unit: &str) -> Result<f64, String> {
+    let unit = LengthUnit::from_word(unit).unwrap_or_default();
+    tolerance_from_text(text, unit).map_err(|error| error.to_string())
 }
 
 /// Formats a tolerance (mm) as documents have it, which also tells it from others.

@@ -87,6 +87,37 @@ pageTest('the chart, its table and its readings are in inches, and undo brings m
   assert.deepEqual(await tableRows(page), before.rows)
 })
 
+pageTest('a tolerance is typed in the unit that the field names, or with its own, and a change of unit empties the field', async ({ page }) => {
+  const input = page.locator('#tolerances form input')
+  const labels = () => page.$$eval('#tolerances .chip .label', (all) => all.map(({ textContent }) => textContent))
+  const add = async (text) => {
+    await input.fill(text)
+    await input.press('Enter')
+    return page.textContent('#tolerances .fault')
+  }
+  await opened(page)
+  await page.click('#bar .tolerance')
+  assert.equal(await input.getAttribute('placeholder'), 'add µm')
+  await input.fill('0.5')
+  await choose(page, 'inch', 'in')
+  assert.deepEqual([await input.inputValue(), await input.getAttribute('placeholder')], ['', 'add in'])
+  assert.equal(await input.getAttribute('aria-label'), 'Add a contour tolerance (in)')
+  assert.equal(await add('0.0005'), '')
+  assert.equal(await add('3 thou'), '')
+  assert.deepEqual(await labels(), ['0.00039 in', '0.0005 in', '0.00079 in', '0.00197 in', '0.003 in'])
+  assert.equal(await add('0.00039'), '0.00039 in is there already.')
+  assert.match(await add('15'), /^15 in is out of range: .* 0\.3937 in/)
+
+  await input.fill('0.002')
+  await page.click('#history .undo-change')
+  assert.equal(await input.inputValue(), '0.002', 'another change than that of the unit leaves the field alone')
+  await page.click('#history .undo-change')
+  await page.click('#history .undo-change')
+  assert.deepEqual([await input.inputValue(), await input.getAttribute('placeholder')], ['', 'add µm'])
+  assert.equal(await add('12.7'), '')
+  assert.deepEqual(await labels(), ['10 µm', '12.7 µm', '20 µm', '50 µm'])
+})
+
 longTest('tolerances, places and lengths are in inches on the rest of the page, also after a reload', async ({ page }) => {
   await opened(page)
   await page.check('#tolerances input[value="20 µm"]')

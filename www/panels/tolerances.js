@@ -1,10 +1,10 @@
 // The contour tolerances as rows, the program's own first: one is quoted, the others are compared. Added by typing, removed by
 // × or Delete. Text becomes a tolerance in Rust.
 
-import { toleranceFromText } from '../pkg/truefeed.js'
+import { toleranceFromText, toleranceLabel as labelToRead } from '../pkg/truefeed.js'
 import { columnKey, columnLabel, columnsOf, programInSight, quotedColumn } from '../columns.js'
 import { find, make } from '../dom.js'
-import { count, duration, seconds } from '../format.js'
+import { count, duration, fineSymbol, seconds } from '../format.js'
 import { deviationLabel, toleranceKey, toleranceLabel } from '../labels.js'
 import { say } from '../texts.js'
 
@@ -33,6 +33,8 @@ export function mount(root, { most, usual }, actions) {
   let tolerances = []
   /** @type {Column[]} */
   let columns = []
+  /** The unit that the input names, which is the one that it is read in. */
+  let unit = ''
   /** What the rows show now. @type {unknown[]} */
   let shown = []
 
@@ -59,15 +61,25 @@ export function mount(root, { most, usual }, actions) {
     input.ariaInvalid = message ? 'true' : null
   }
 
+  /** Names another unit in the input; what was typed before was meant in the old one, so that it goes. @param {string} chosen */
+  function name(chosen) {
+    unit = chosen
+    input.placeholder = say.tolerances.addIn(fineSymbol())
+    input.ariaLabel = say.tolerances.addTolerance(fineSymbol())
+    input.value = ''
+    tell('')
+  }
+
   /** Adds what was typed; returns why not. @param {string} text */
   function add(text) {
     let tolerance
     try {
-      tolerance = toleranceFromText(text)
+      tolerance = toleranceFromText(text, unit)
     } catch (reason) {
       return String(reason)
     }
-    if (tolerances.some((other) => toleranceKey(other) === toleranceKey(tolerance))) return say.tolerances.isThere(toleranceLabel(tolerance))
+    // Two that differ but look alike in the unit shown could not be told apart.
+    if (tolerances.some((other) => [toleranceKey, toleranceLabel].some((label) => label(other) === label(tolerance)))) return say.tolerances.isThere(toleranceLabel(tolerance))
     if (columns.length >= most) return say.tolerances.atMost(most)
     actions.setTolerances([...tolerances, tolerance])
     return ''
@@ -137,10 +149,11 @@ export function mount(root, { most, usual }, actions) {
   return {
     /** Adds a tolerance (mm) that was pointed at, or says why not. @param {number} tolerance */
     choose(tolerance) {
-      tell(add(toleranceKey(tolerance)))
+      tell(add(labelToRead(tolerance)))
     },
     /** @param {State} state */
     update(state) {
+      if (unit !== state.lengthUnit) name(state.lengthUnit)
       const program = programInSight(state)
       const outcome = program?.outcome
       const sets = Boolean(outcome && outcome.held.length > 0)

@@ -29,6 +29,7 @@ struct LengthUnitRow {
     word: &'static str,
     symbol: &'static str,
     feed_symbol: &'static str,
+    fine_symbol: &'static str,
     /// Length of the unit.
     in_mm: f64,
     decimals: usize,
@@ -165,6 +166,7 @@ pub fn form() -> String {
         word,
         symbol: unit.symbol(),
         feed_symbol: unit.feed_symbol(),
+        fine_symbol: unit.fine_symbol(),
         in_mm: unit.in_mm(),
         decimals: unit.decimals(),
         feed_decimals: unit.feed_decimals(),
