@@ -7,12 +7,16 @@ use crate::identification::calibration::motion::{motion, spindle_ramp};
 use crate::identification::calibration::rapids::RapidPlateaus;
 use crate::identification::calibration::{
     BETTER_FAMILY, BETTER_STEPS, MIN_ORDER_COST_DROP, MIN_ORDER_COST_DROP_RATIO, ROUGH_COST_TOLERANCE, Share,
-    assumed, at_own_noise, families, polled, run_fit, set_order, steps, waits, whitened, with_laws,
+    assumed, at_own_noise, compared, families, polled, run_fit, set_order, steps, waits, whitened, with_laws,
 };
 use crate::identification::comparison::Comparison;
 use crate::identification::effects::parameters::{FILTERS, PROGRAM_START};
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::{Machine, TimeConstants};
+
+/// Least lost time that a velocity limit of axes must explain, as a part of the recorded time: what a cause must explain in
+/// a diagnosis.
+const MIN_LIMIT_SHARE: f64 = 3e-4;
 
 /// The common input of all fits of a calibration.
 pub struct Fitting<'a> {
@@ -72,7 +76,47 @@ impl<'a> Fitting<'a> {
         }
         self.try_assumed_accelerations(&mut model);
         self.try_steps_at_corners(&mut model);
+        self.drop_idle_limits(&mut model);
         (model, orders)
+    }
+
+    /// Removes the velocity limits of axes that another law makes unnecessary: on arcs of one radius the acceleration
+    /// keeps an axis below one velocity again and again, too. First all of them, then each alone.
+    fn drop_idle_limits(&mut self, model: &mut Model) {
+        let order = model.order;
+        for some in [&[0, 1, 2][..], &[0], &[1], &[2]] {
+            let axes = &model.best.machine.axes;
+            if some.iter().all(|axis| axes[*axis].velocity == f64::INFINITY) {
+                continue;
+            }
+            let start = self.without_limits(&model.best.machine, some);
+            let best = self.fit(&start, order, &model.whitenings, FTOL);
+            let [with, without] =
+                [&model.best.machine, &best.machine].map(|machine| self.unexplained(machine));
+            if without - with < MIN_LIMIT_SHARE {
+                model.best = best;
+            }
+        }
+    }
+
+    /// Returns the lost time that a machine leaves, added up place by place, as a part of the recorded time.
+    fn unexplained(&self, machine: &Machine) -> f64 {
+        let compared = compared(machine, self.runs);
+        let lost = compared.iter().flat_map(|run| &run.lost).map(|visit| visit.seconds().abs()).sum::<f64>();
+        lost / compared.iter().map(|run| run.whole.recorded).sum::<f64>()
+    }
+
+    /// Returns the machine without the velocity limits of these axes, with rapids as the runs show them.
+    fn without_limits(&self, machine: &Machine, axes: &[usize]) -> Machine {
+        let mut without = machine.clone();
+        axes.iter().for_each(|axis| without.axes[*axis].velocity = f64::INFINITY);
+        // Along the path, no axis has a rapid rate.
+        if let Some(seen) = self.plateaus.filter(|_| machine.rapid.feedrate == f64::INFINITY) {
+            axes.iter().for_each(|axis| without.axes[*axis].rapid = f64::INFINITY);
+            let [given, _] = seen.given(&without, self.machine);
+            axes.iter().for_each(|axis| without.axes[*axis].rapid = given.axes[*axis].rapid);
+        }
+        without
     }
 
     /// Returns the parameters of a fit that starts from a machine, each with its value before the calibration.
