@@ -179,6 +179,25 @@ fn a_tool_change_that_no_run_had_is_taken_from_the_recording_and_widens_the_rang
     assert!((found - 0.4).abs() < 0.01, "{found} s");
 }
 
+/// On arcs of one radius the acceleration keeps both axes below one velocity, √(√3/2 A r), again and again.
+#[test]
+fn a_velocity_that_the_acceleration_allows_on_arcs_is_no_limit_of_an_axis() {
+    let turn = |at: u32| format!("G1 X{}.5\nG3 Y8 I0 J4\nG3 Y0 I0 J-4\n", at);
+    let turns: String = (1..12).map(turn).collect();
+    let program = format!("G21 G90 G64\nG0 X0 Y0 Z2\nG1 Z0 F600\nF6000\n{turns}G0 Z5\nM30\n");
+    let toolpath = traced(&program);
+    let alignment = recorded(&toolpath, &truth());
+    let runs = [run(&toolpath, &alignment)];
+    let on_arcs = (0.866_f64 * 500.0 * 4.0).sqrt();
+    let of = |file: &Machine| calibrate(file, &runs, &mut |_| {}).machine.axes.map(|axis| axis.velocity);
+    let found = of(&believed());
+    assert!(found[..2].iter().all(|velocity| 1.2 * on_arcs < *velocity), "{found:?} mm/s, {on_arcs} on arcs");
+    // What the file knows stays, whether the runs show it or not.
+    let mut known = believed();
+    known.axes[0].velocity = 150.0;
+    assert!(of(&known)[0].is_finite());
+}
+
 /// Moves along which X is always a little faster than Y, so that a limit of either slows them alike.
 #[test]
 fn two_axes_that_always_move_together_are_not_told_apart() {

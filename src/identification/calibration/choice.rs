@@ -80,16 +80,19 @@ impl<'a> Fitting<'a> {
         (model, orders)
     }
 
-    /// Removes the velocity limits of axes that another law makes unnecessary: on arcs of one radius the acceleration
-    /// keeps an axis below one velocity again and again, too. First all of them, then each alone.
+    /// Removes the velocity limits of axes that the machine did not have before and that another law makes unnecessary:
+    /// on arcs of one radius the acceleration keeps an axis below one velocity again and again, too. First all of them,
+    /// then each alone.
     fn drop_idle_limits(&mut self, model: &mut Model) {
         let order = model.order;
         for some in [&[0, 1, 2][..], &[0], &[1], &[2]] {
-            let axes = &model.best.machine.axes;
-            if some.iter().all(|axis| axes[*axis].velocity == f64::INFINITY) {
+            let limits = |machine: &Machine, axis: usize| machine.axes[axis].velocity.is_finite();
+            let is_new = |axis: &usize| !limits(self.machine, *axis) && limits(&model.best.machine, *axis);
+            let new: Vec<usize> = some.iter().copied().filter(is_new).collect();
+            if new.is_empty() {
                 continue;
             }
-            let start = self.without_limits(&model.best.machine, some);
+            let start = self.without_limits(&model.best.machine, &new);
             let best = self.fit(&start, order, &model.whitenings, FTOL);
             let [with, without] =
                 [&model.best.machine, &best.machine].map(|machine| self.unexplained(machine));

@@ -43,8 +43,8 @@
 //!
 //! **Nothing**: a turn made within one servo period uses the part κ = max_k |u2 − u1|_k (sF/(h a_k) + 1) of
 //! the acceleration of an axis, twice that on an arc, whose sF is at most the velocity for which √3/2 of its
-//! acceleration suffices. If κ is below a tenth, the corner is not slowed at all,
-//! and its legs lose the part κ of their acceleration, an arc also for its curvature. Otherwise the motion passes the corner at 0.1 sF/κ. Of
+//! acceleration suffices. If κ is below a tenth, the corner is not slowed at all, and its legs lose the part κ
+//! of their acceleration, an arc also for its curvature. Otherwise the motion passes the corner at 0.1 sF/κ. Of
 //! circle, parabola and nothing the fastest is taken; the speed of a parabola counts as C (b1 + b2)/4.
 //!
 //! **Exact path** (G61): no curve replaces the corner. If κ is a tenth or more the motion stops at the

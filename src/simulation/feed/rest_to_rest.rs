@@ -90,9 +90,8 @@ pub(super) fn add_rest_to_rest(
         let (blended, at_corners) = planner.blended(feedrates, &blends);
         pulses.extend(blended);
         corner_feedrates.truncate(first_corner);
-        let is_stop = |corner: &usize| at_corners[*corner] == 0.0;
-        stops
-            .extend((0..at_corners.len() - 1).filter(is_stop).map(|corner| planner.range.start + corner + 1));
+        let is_stop = |corner: &usize| at_corners[*corner - 1] == 0.0;
+        stops.extend((1..at_corners.len()).filter(is_stop).map(|corner| planner.range.start + corner));
         corner_feedrates.extend(at_corners);
     } else if !are_final {
         let corners = &mut corner_feedrates[first_corner..];
