@@ -74,8 +74,8 @@ fn cycles_run_in_exact_path_mode() {
 }
 
 /// In exact path mode the corners of a staircase are stops, between which a tenth of the acceleration is missing. A leg
-/// begins with a servo period: of 1655 recorded legs each took up to one period longer than in continuous time, half of one
-/// on average, which the filter of half a period stands for.
+/// begins with a servo period: 1655 recorded legs took up to one period longer than in continuous time, on average half a
+/// period. The filter of half a period models this average.
 #[test]
 fn a_leg_after_a_stop_at_a_corner_begins_when_the_filter_has_run_empty() {
     let mut machine = planner();

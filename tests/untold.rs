@@ -192,7 +192,7 @@ fn a_velocity_that_the_acceleration_allows_on_arcs_is_no_limit_of_an_axis() {
     let of = |file: &Machine| calibrate(file, &runs, &mut |_| {}).machine.axes.map(|axis| axis.velocity);
     let found = of(&believed());
     assert!(found[..2].iter().all(|velocity| 1.2 * on_arcs < *velocity), "{found:?} mm/s, {on_arcs} on arcs");
-    // What the file knows stays, whether the runs show it or not.
+    // A limit of the file stays even if the runs do not show it.
     let mut known = believed();
     known.axes[0].velocity = 150.0;
     assert!(of(&known)[0].is_finite());

@@ -39,7 +39,7 @@ pub fn is_right(kind: &str, value: &Value, cause: &Value) -> bool {
     known && axis.is_none_or(|axis| named.is_none_or(|named| named == axis))
 }
 
-/// Whether the cause is listed as what another cannot be told from: by its id, and its axis if that is told.
+/// Whether a name in the list of rivals is right: its id, and its axis if the name has one.
 pub fn is_right_name(kind: &str, value: &Value, name: &str) -> bool {
     let (id, axis) = name.split_once(" (").map_or((name, None), |(id, axis)| (id, axis.strip_suffix(')')));
     is_right(kind, value, &json!({ "id": id, "parameters": { "axis": axis } }))

@@ -43,5 +43,5 @@ pub const BLOCK_SUPPLY: [Parameter; 3] = [
         "Number of blocks that the control sees ahead, and within which it must be able to stop. Empty: all."
     ),
     row!("interpolator.corners_planned_by", "Corners are planned by", choice CornerPlanning [interpolator.planned_by],
-        "Feedrate by which the control plans corners of short blocks: the one at which blocks arrive, or the programmed one."),
+        "Feedrate by which the control plans corners of short blocks: the feedrate at which blocks arrive, or the programmed feedrate."),
 ];

@@ -147,6 +147,21 @@ pub(in crate::machine) const fn codes(
     Access::Codes { letter, unit, min, max, get, get_mut }
 }
 
+/// Bounds of the number of an M-code.
+pub(in crate::machine) const WORD_BOUNDS: (f64, f64) = (0.0, 9999.0);
+/// Largest number of M-codes in a group.
+pub(in crate::machine) const MAX_WORDS: usize = 20;
+
+/// Returns the numbers of M-codes as a list.
+pub(in crate::machine) fn written_words(words: &[u32]) -> Vec<f64> {
+    words.iter().map(|word| f64::from(*word)).collect()
+}
+
+/// Returns the M-codes with these numbers.
+pub(in crate::machine) fn read_words(numbers: Vec<f64>) -> Vec<u32> {
+    numbers.into_iter().map(|number| number as u32).collect()
+}
+
 /// Bounds of jerks.
 pub(in crate::machine) const JERK_BOUNDS_MM_S3: (f64, f64) = (1.0, 1e9);
 pub(in crate::machine) const TOLERANCE_BOUNDS_MM: (f64, f64) = (1e-6, 10.0);
@@ -162,6 +177,8 @@ pub(in crate::machine) const TOLERANCE_BOUNDS_MM: (f64, f64) = (1e-6, 10.0);
 /// | `value` … `or` | has the neutral value behind `or` |
 /// | `case` … `of` … `else` | is an enum; the parameter is the value of one variant, and the last one is neutral |
 /// | `extent` | is the extent of some values |
+/// | `axes` | has a value for each of X, Y and Z, or is missing |
+/// | `words` | is a group of M-codes |
 /// | `codes` | is a table by the number of a word |
 /// | `choice` | is an enum with keywords |
 /// | `flag` | is true or false |
@@ -198,6 +215,23 @@ macro_rules! row {
             2,
             |m| m.$($field)+.0.map(|(least, largest)| vec![least, largest]),
             |m, v| m.$($field)+ = $crate::machine::Extent::of(&v),
+        ), $doc)
+    };
+    ($key:expr, $label:expr, axes $unit:ident $bounds:tt [$($field:tt)+], $doc:expr) => {
+        row!($key, $label, $crate::machine::parameter::list(
+            $crate::units::Unit::$unit,
+            $bounds,
+            3,
+            |m| m.$($field)+.map(|axes| axes.to_vec()),
+            |m, v| m.$($field)+ = v.try_into().ok(),
+        ), $doc)
+    };
+    ($key:expr, $label:expr, words [$($field:tt)+], $doc:expr) => {
+        row!($key, $label, $crate::machine::parameter::whole_list(
+            $crate::machine::parameter::WORD_BOUNDS,
+            $crate::machine::parameter::MAX_WORDS,
+            |m| Some($crate::machine::parameter::written_words(&m.$($field)+)),
+            |m, v| m.$($field)+ = $crate::machine::parameter::read_words(v),
         ), $doc)
     };
     ($key:expr, $label:expr, codes $letter:literal $unit:ident $bounds:tt [$($field:tt)+], $doc:expr) => {

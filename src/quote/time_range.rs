@@ -14,8 +14,8 @@
 //! below for the length and acceleration of the segment, F its feedrate, v the velocity that it reaches, and
 //! D the filter delay.
 //!
-//! The time of an M-word that no calibrating program contains is that of the machine file before the calibration. It may
-//! be anything from nothing to twice that: U = 1, and the time of the word is added to both times of the fraction.
+//! If no calibrating program contains an M-word, its time comes from the machine file before the calibration. The true
+//! time may be between nothing and twice as much: U = 1, and both times of the fraction include the time of the word.
 //!
 //! A feed is faster if it moves an axis faster than any move of the runs, feed or rapid: if the runs recorded
 //! positions, an axis can cut as fast as it moved in rapid. A rapid is faster if an axis whose full rapid
@@ -358,7 +358,7 @@ impl UnshownTimes {
     }
 }
 
-/// Returns what the runs did not show of the motion of a program; `None` on a machine that was not calibrated.
+/// Returns the parts of a program's motion that the runs did not show; `None` on a machine that was not calibrated.
 fn of_motion(toolpath: &Toolpath, machine: &Machine) -> Option<UnshownTimes> {
     let own = machine.calibrated_on.range?;
     let mut found = UnshownTimes { own, whole: 0.0, off: 0.0, seconds: [0.0; UnshownFeature::ALL.len()] };

@@ -110,7 +110,7 @@ pageTest('a tolerance is typed in the unit that the field names, or with its own
 
   await input.fill('0.002')
   await page.click('#history .undo-change')
-  assert.equal(await input.inputValue(), '0.002', 'another change than that of the unit leaves the field alone')
+  assert.equal(await input.inputValue(), '0.002', 'a change of anything but the unit leaves the field alone')
   await page.click('#history .undo-change')
   await page.click('#history .undo-change')
   assert.deepEqual([await input.inputValue(), await input.getAttribute('placeholder')], ['', 'add µm'])

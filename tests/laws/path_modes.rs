@@ -161,7 +161,7 @@ fn a_wider_tolerance_at_some_corners_never_costs_time() {
     }
 }
 
-/// Every tolerance rises by the same ratio, including that of the machine.
+/// Every tolerance, also the one of the machine, rises by the same ratio.
 #[test]
 fn wider_tolerances_all_along_never_cost_time() {
     for (mut case, mut random) in cases(47, case_count()) {

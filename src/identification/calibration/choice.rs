@@ -10,13 +10,10 @@ use crate::identification::calibration::{
     assumed, at_own_noise, compared, families, polled, run_fit, set_order, steps, waits, whitened, with_laws,
 };
 use crate::identification::comparison::Comparison;
+use crate::identification::effects::MIN_EXPLAINED_SHARE;
 use crate::identification::effects::parameters::{FILTERS, PROGRAM_START};
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::{Machine, TimeConstants};
-
-/// Least lost time that a velocity limit of axes must explain, as a part of the recorded time: what a cause must explain in
-/// a diagnosis.
-const MIN_LIMIT_SHARE: f64 = 3e-4;
 
 /// The common input of all fits of a calibration.
 pub struct Fitting<'a> {
@@ -96,7 +93,7 @@ impl<'a> Fitting<'a> {
             let best = self.fit(&start, order, &model.whitenings, FTOL);
             let [with, without] =
                 [&model.best.machine, &best.machine].map(|machine| self.unexplained(machine));
-            if without - with < MIN_LIMIT_SHARE {
+            if without - with < MIN_EXPLAINED_SHARE {
                 model.best = best;
             }
         }

@@ -84,7 +84,7 @@ impl FormMeasure {
         }
     }
 
-    /// Returns the ratio of the form error of the machine `with` a cause to that of the machine `without`. The parts of
+    /// Returns the ratio of two form errors, of the machine `with` a cause and of the machine `without`. The parts of
     /// the recordings in which the cause removes most do not count, as many as [`MOMENTS`] of [`RECORDING_PARTS`]. The
     /// ratio is NaN if no part remains that has an error.
     fn ratio_all_along(self, forms: &[ContourDeviation], without: &Machine, with: &Machine) -> f64 {
@@ -196,8 +196,8 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
     found
 }
 
-/// Returns the causes that remove much of the form error. The search stops once the error is below `floor` (mm) or within
-/// [`MAX_UNEXPLAINED_RATIO`] of what the calibration left; if it already is, the result is empty.
+/// Returns the causes that remove much of the form error. The search stops once the error is below `floor` (mm) or at
+/// most [`MAX_UNEXPLAINED_RATIO`] times the error of the calibration. If this holds from the start, the result is empty.
 fn searched(
     measure: FormMeasure,
     machine: &Machine,

@@ -9,8 +9,8 @@ use crate::identification::diagnosis::cause::{AcceptedCause, candidates};
 use crate::identification::diagnosis::evidence::{Candidate, with_all};
 use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::verdict::Left;
-use crate::identification::diagnosis::{MIN_LOST_TIME_S, compared, form, located, regions, search};
-use crate::identification::effects::Nature;
+use crate::identification::diagnosis::{MIN_LOST_TIME_S, compared, form, located, regions};
+use crate::identification::effects::{MIN_EXPLAINED_SHARE, Nature};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
@@ -55,7 +55,7 @@ impl ModelError {
 pub fn is_worth_a_search(believed: &Machine, machine: &Machine, runs: &[Run], is_beside: bool) -> bool {
     let left = Remainder::of(machine, runs);
     match Standing::of(believed) {
-        Standing::Unchecked => MIN_LOST_TIME_S.max(search::SIZE * left.recorded()) < left.seconds,
+        Standing::Unchecked => MIN_LOST_TIME_S.max(MIN_EXPLAINED_SHARE * left.recorded()) < left.seconds,
         Standing::Describes(_) => left.asks(believed, runs, is_beside),
         Standing::Misses => false,
     }

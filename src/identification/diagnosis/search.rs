@@ -13,7 +13,7 @@
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
 //! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts; a halt changes none |
 //! | chance | a wait at a word is longer or shorter than the cycles of a PLC make it from run to run |
-//! | size | it explains more than `SIZE` of the cycle time, `MIN_LOST_TIME_S` s, and `MAX_REMAINING_PART` of the time explained |
+//! | size | it explains more than `MIN_EXPLAINED_SHARE` of the cycle time, `MIN_LOST_TIME_S` s, and `MAX_REMAINING_PART` of the time explained |
 //!
 //! A clock error is the only cause or no cause: the error that the law of another cause leaves grows with time as well.
 //!
@@ -31,14 +31,13 @@ use crate::identification::diagnosis::{
     Candidate, Evidence, MIN_LOST_TIME_S, gates, places, regions, rests, standing,
 };
 use crate::identification::effects::{
-    FEED_HOLD, FEED_OVERRIDE, Hypothesis, Nature, RECORDER_CLOCK, Trace, UNEQUAL_FILTERS, awaited_stops,
+    FEED_HOLD, FEED_OVERRIDE, Hypothesis, MIN_EXPLAINED_SHARE, Nature, RECORDER_CLOCK, Trace,
+    UNEQUAL_FILTERS, awaited_stops,
 };
 use crate::identification::fit::{Run, VariationScale};
 use crate::machine::Machine;
 use crate::simulation::ordered::sort_by_number;
 
-/// Least time that a cause must explain, as a part of the cycle time.
-pub const SIZE: f64 = 3e-4;
 /// Largest part of the time that the earlier causes explain which a further cause may cancel.
 const MAX_CANCELLED_PART: f64 = 0.5;
 /// Weight of the time that a cause adds in some places and saves in others, against its net time.
@@ -306,7 +305,7 @@ fn passed(
     let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
     let explained = regions::moved(base, current, runs).0;
     if weight(current, &with, runs)
-        < MIN_LOST_TIME_S.max(SIZE * whole).max(MAX_REMAINING_PART * explained.abs())
+        < MIN_LOST_TIME_S.max(MIN_EXPLAINED_SHARE * whole).max(MAX_REMAINING_PART * explained.abs())
     {
         return None;
     }

@@ -36,6 +36,9 @@ pub use report::{
 pub use table::*;
 pub use waits::{LONGEST_WAIT_S, StopKind};
 
+/// Least time that an effect must explain to count as present in runs, as a part of their time.
+pub const MIN_EXPLAINED_SHARE: f64 = 3e-4;
+
 use crate::identification::fit::Run;
 use crate::machine::{InPosition, Machine};
 

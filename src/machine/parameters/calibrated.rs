@@ -1,6 +1,8 @@
 //! Rows of a calibration: its programs and its errors.
 
-use crate::machine::parameter::{Parameter, TOLERANCE_BOUNDS_MM, list, row, whole_list};
+use crate::machine::parameter::{
+    Parameter, TOLERANCE_BOUNDS_MM, WORD_BOUNDS, list, read_words, row, whole_list, written_words,
+};
 use crate::units::Unit;
 
 /// Bounds of the number of an axis, X as 1.
@@ -37,30 +39,10 @@ pub const CALIBRATED: [Parameter; 16] = [
         "Lengths of the shortest and the longest straight feed block in the calibrating runs. Shorter blocks make a quote less certain."),
     row!("calibration.feeds_mm_min", "Feedrates calibrated on", extent MillimetrePerMinute (0.0, 1e6) [calibrated_on.feedrates],
         "Lowest and highest programmed feedrate in the calibrating runs. Higher feedrates make a quote less certain."),
-    row!(
-        "calibration.rapids_mm",
-        "Rapids calibrated on",
-        list(
-            Unit::Millimetre,
-            (0.0, 1e6),
-            3,
-            |m| m.calibrated_on.rapids.map(|rapids| rapids.to_vec()),
-            |m, v| m.calibrated_on.rapids = v.try_into().ok(),
-        ),
-        "Longest travel of X, Y and Z in one rapid of the calibrating runs. Longer rapids make a quote less certain."
-    ),
-    row!(
-        "calibration.velocities_mm_min",
-        "Velocities calibrated on",
-        list(
-            Unit::MillimetrePerMinute,
-            (0.0, 1e6),
-            3,
-            |m| m.calibrated_on.velocities.map(|velocities| velocities.to_vec()),
-            |m, v| m.calibrated_on.velocities = v.try_into().ok(),
-        ),
-        "Highest velocity of X, Y and Z in the calibrating runs. Faster moves make a quote less certain."
-    ),
+    row!("calibration.rapids_mm", "Rapids calibrated on", axes Millimetre (0.0, 1e6) [calibrated_on.rapids],
+        "Longest travel of X, Y and Z in one rapid of the calibrating runs. Longer rapids make a quote less certain."),
+    row!("calibration.velocities_mm_min", "Velocities calibrated on", axes MillimetrePerMinute (0.0, 1e6) [calibrated_on.velocities],
+        "Highest velocity of X, Y and Z in the calibrating runs. Faster moves make a quote less certain."),
     row!(
         "calibration.travels_mm",
         "Travels calibrated on",
@@ -99,14 +81,10 @@ pub const CALIBRATED: [Parameter; 16] = [
         "calibration.m_codes",
         "M words calibrated on",
         whole_list(
-            (0.0, 9999.0),
+            WORD_BOUNDS,
             1000,
-            |m| m
-                .calibrated_on
-                .m_codes
-                .as_ref()
-                .map(|codes| codes.iter().map(|code| f64::from(*code)).collect()),
-            |m, v| m.calibrated_on.m_codes = Some(v.into_iter().map(|code| code as u32).collect()),
+            |m| m.calibrated_on.m_codes.as_deref().map(written_words),
+            |m, v| m.calibrated_on.m_codes = Some(read_words(v)),
         ),
         "M words of the calibrating programs: 6 for a tool change, 3 and 5 for the start and the stop of the spindle, 30 for the end. The times of all others come from the machine file before: they make a quote less certain, and a diagnosis of another program takes them from the recording first. Empty: unknown."
     ),

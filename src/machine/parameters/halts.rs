@@ -24,5 +24,5 @@ pub(super) const HALTS: [Parameter; 7] = [
     row!("halts.in_position_s", "Wait for position", value Second (0.0, 60.0) [halts.in_position] or 0.0,
         "Time at each full stop of the motion until the axes are in position. 0: none."),
     row!("halts.in_position_at", "Waits for position at", choice InPosition [halts.in_position_at],
-        "rapid ends: every rapid ends in a full stop with the wait; exact stops: those of the program and of sharp corners; both."),
+        "rapid ends: every rapid ends in a full stop with the wait; exact stops: the stops of the program and of sharp corners; both."),
 ];

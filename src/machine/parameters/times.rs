@@ -3,24 +3,12 @@
 //! If a time is empty, the time of all other M-words applies, which is 0 by default.
 
 use crate::machine::FunctionTimes;
-use crate::machine::parameter::{Parameter, row, whole_list};
+use crate::machine::parameter::{
+    MAX_WORDS, Parameter, WORD_BOUNDS, read_words, row, whole_list, written_words,
+};
 
 /// Bounds of the time of a machine function, s: up to an hour.
 const TIME_BOUNDS_S: (f64, f64) = (0.0, 3600.0);
-
-/// Bounds of the number of an M-code.
-const CODE_BOUNDS: (f64, f64) = (0.0, 9999.0);
-
-/// Largest number of M-codes in a group.
-const MAX_CODES: usize = 20;
-
-fn written(words: &[u32]) -> Option<Vec<f64>> {
-    Some(words.iter().map(|word| f64::from(*word)).collect())
-}
-
-fn read(words: Vec<f64>) -> Vec<u32> {
-    words.into_iter().map(|word| word as u32).collect()
-}
 
 pub(super) const TIMES: [Parameter; 22] = [
     row!("times.start_s", "Program start", value Second TIME_BOUNDS_S [times.start] or 0.0,
@@ -43,10 +31,10 @@ pub(super) const TIMES: [Parameter; 22] = [
         "times.spindle_awaited_by",
         "M-codes that wait for the spindle",
         whole_list(
-            CODE_BOUNDS,
-            MAX_CODES,
-            |m| written(&m.times.spindle_awaited_by).filter(|words| !words.is_empty()),
-            |m, v| m.times.spindle_awaited_by = read(v),
+            WORD_BOUNDS,
+            MAX_WORDS,
+            |m| Some(written_words(&m.times.spindle_awaited_by)).filter(|words| !words.is_empty()),
+            |m, v| m.times.spindle_awaited_by = read_words(v),
         ),
         "Numbers of the M-codes that wait until the spindle has its speed, on controls where M3 and M5 only start the ramp: for example [8, 1, 30]. Empty: M3 to M5 wait themselves."
     ),
@@ -73,12 +61,7 @@ pub(super) const TIMES: [Parameter; 22] = [
     row!(
         "times.pallet_words",
         "M-codes that change the pallet",
-        whole_list(
-            CODE_BOUNDS,
-            MAX_CODES,
-            |m| written(&m.times.pallet_words),
-            |m, v| m.times.pallet_words = read(v),
-        ),
+        words[times.pallet_words],
         "Numbers of the M-codes that change the pallet."
     ),
     row!("times.clamp_s", "Clamping", optional Second TIME_BOUNDS_S [times.clamp],
@@ -86,12 +69,7 @@ pub(super) const TIMES: [Parameter; 22] = [
     row!(
         "times.clamp_words",
         "M-codes that clamp",
-        whole_list(
-            CODE_BOUNDS,
-            MAX_CODES,
-            |m| written(&m.times.clamp_words),
-            |m, v| m.times.clamp_words = read(v),
-        ),
+        words[times.clamp_words],
         "Numbers of the M-codes that clamp and unclamp."
     ),
     row!("times.m_code_s", "Other M-codes", value Second TIME_BOUNDS_S [times.m_code] or 0.0,

@@ -428,7 +428,7 @@ impl MotionPlanner<'_> {
         let legs = feedrates.iter().zip(&self.segment_limits.accelerations).enumerate();
         let leg = |(i, (&feedrate, &acceleration)): (usize, (&f64, &f64))| {
             let (length, is_line) = (self.length(i), *self.curve(i) == Curve::Line);
-            // What the turns at its ends take of its acceleration, an arc has not for its curvature either.
+            // The turns at the ends of an arc use a part of its acceleration; the curvature has only the rest.
             let left = 1.0 - blends[i].taken.max(blends[i + 1].taken);
             let most = match is_line || left == 1.0 {
                 true => f64::INFINITY,
