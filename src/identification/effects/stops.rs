@@ -9,8 +9,8 @@ use crate::identification::effects::report::{
     ANGLE, ANGLE_BOUNDS, AT, CODE, LINE, OR_CODE, Reported, SECONDS,
 };
 use crate::identification::effects::waits::StopKind;
-use crate::identification::fit::Run;
-use crate::machine::{InPosition, Junction};
+use crate::identification::fit::{FreeParameter, Run};
+use crate::machine::{InPosition, Junction, Machine};
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Motion, Stop, Toolpath};
 
@@ -39,16 +39,27 @@ pub fn exact_stops(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         all
     };
     let angle = parameters::EXACT_STOP_ANGLE.tried();
-    let largest = angle.bounds.1;
-    let mut all = vec![Hypothesis::single(effect, angle.clone(), trials, report).at_trials_only()];
-    // LinuxCNC's G61, which stops at corners by another law than its G61.1.
-    if matches!(context.machine.interpolator.junction, Junction::AccelerationBlend | Junction::ParabolicBlend)
-    {
-        let freed = angle.also(|machine| machine.interpolator.junction = Junction::ExactPath);
-        let report = |_| vec![AT.word("corners")];
-        all.push(Hypothesis::single(effect, freed, vec![largest], report).at_trials_only());
+    let exact_path = exact_path(effect, context.machine, angle.clone());
+    let stops = Hypothesis::single(effect, angle, trials, report).at_trials_only();
+    [stops].into_iter().chain(exact_path).collect()
+}
+
+/// Returns the hypothesis of LinuxCNC's G61, which stops at corners by another law than its G61.1; `None` if the
+/// machine does not have LinuxCNC's junctions. At which tangents it stops depends on the largest override, which a
+/// calibration on blended corners does not show: each that a control may plan for is tried.
+fn exact_path(effect: Effect, machine: &Machine, angle: FreeParameter) -> Option<Hypothesis> {
+    let interpolator = &machine.interpolator;
+    if !matches!(interpolator.junction, Junction::AccelerationBlend | Junction::ParabolicBlend) {
+        return None;
     }
-    all
+    let largest = angle.bounds.1;
+    let freed = angle.also(|machine| machine.interpolator.junction = Junction::ExactPath);
+    let planned =
+        std::iter::once(interpolator.max_override).chain(parameters::MAX_OVERRIDE.guesses.iter().copied());
+    let trials = planned.map(|planned| vec![largest, planned]).collect();
+    let report = |_: &[f64]| vec![AT.word("corners")];
+    let freed = vec![freed, parameters::MAX_OVERRIDE.tried()];
+    Some(Hypothesis::new(effect, freed, trials, report).at_trials_only())
 }
 
 /// Returns the hypotheses of a wait for position at the ends of rapid moves, some of which become full stops by it,
