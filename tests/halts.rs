@@ -60,9 +60,14 @@ fn recorded(program: &str, machine: &Machine) -> String {
 
 /// The diagnosis of a run of a machine against the one without halts.
 fn diagnosed(halted: &Machine) -> Diagnosis {
+    diagnosed_against(&Machine::default(), halted)
+}
+
+/// The diagnosis of a run of a machine against another one.
+fn diagnosed_against(machine: &Machine, halted: &Machine) -> Diagnosis {
     aligned(halted, |toolpath, alignment| {
         let runs = [Run { toolpath, alignment: &alignment, overrides: (None, None) }];
-        diagnose(&Machine::default(), &runs, &mut |_| {})
+        diagnose(machine, &runs, &mut |_| {})
     })
 }
 
@@ -163,6 +168,22 @@ fn a_wait_before_a_line_is_not_a_feed_hold() {
     let mut machine = Machine::default();
     machine.halts.waits = [(14, 0.9)].into();
     assert_alone(&machine, ("unmodelled_wait", 14, 0.9));
+}
+
+/// An operator who holds the feed while the machine brakes for a stop leaves the same rest.
+#[test]
+fn a_wait_where_the_machine_stops_is_not_told_from_a_hold_on_its_ramp() {
+    let mut machine = Machine::default();
+    machine.interpolator.exact_stop_angle = 0.5;
+    let mut halted = machine.clone();
+    halted.halts.waits = [(15, 0.9)].into();
+    let diagnosis = diagnosed_against(&machine, &halted);
+    let [cause] = &diagnosis.causes[..] else { panic!("{:?}", causes(&diagnosis)) };
+    let mut named = [&[cause.candidate.hypothesis.effect.id.to_string()], &cause.alike[..]].concat();
+    named.sort();
+    assert_eq!(named, ["feed_hold", "unmodelled_wait"]);
+    assert!(cause.confidence <= 0.5, "{}", cause.confidence);
+    assert_eq!(diagnosis.verdict, Verdict::Ambiguous);
 }
 
 #[test]

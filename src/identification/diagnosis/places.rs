@@ -59,7 +59,7 @@ pub fn hypotheses(machine: &Machine, runs: &[Run], evidence: &Evidence, is_open:
     let mut waits = rests(machine, run);
     waits.retain(|rest| rest.place.is_none() && !machine.halts.waits.contains_key(&rest.line));
     sort_by_number(&mut waits, |wait| -wait.seconds);
-    all.extend(waits.into_iter().take(WAITS).map(Rest::hypothesis));
+    all.extend(waits.into_iter().take(WAITS).flat_map(Rest::hypotheses));
     let dip = dip(machine, run).filter(|dip| !machine.halts.feed_holds.contains_key(&dip.line));
     all.extend(dip.map(Rest::hypothesis));
     all

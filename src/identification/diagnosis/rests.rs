@@ -9,7 +9,12 @@
 //! | at a dwell, longer than it asks for | a wait before its line |
 //! | at a function or a tool change | none of this module: a wait of that |
 //! | where a long block meets a long block | a wait before the line of the later one |
+//! | the same, where the simulated machine has braked to next to nothing | that wait, or a feed hold on the line before |
 //! | anywhere else | a feed hold on the line |
+//!
+//! An operator who holds the feed while the machine brakes for the end of a block brings it to rest v (v/a + D)/2 behind
+//! that end, where v is the feedrate there (mm/s), a the acceleration (mm/s²) and D the delay of the filters (s). If that is
+//! no farther than a rest is known, the hold leaves the rest of a wait.
 //!
 //! Rests on one visit of a line count as one, at the place of the longer one. Times before the first mark and after the
 //! last one are unknown: a recorder that starts before the machine does shows no rest.
@@ -83,6 +88,8 @@ pub struct Rest {
     pub seconds: f64,
     /// `true` if the rest is at a dwell of the program.
     pub at_dwell: bool,
+    /// Line before, if a hold while the machine brakes for its end would leave the same rest.
+    pub held_on: Option<u32>,
 }
 
 /// Returns the rests of a run that the simulation of a machine does not show, in the order of the path; those at dwells
@@ -105,6 +112,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     };
     let least = MIN_REST_S.max(2.0 * poll);
     let ramp = stopping_time(run, &machine, &plan);
+    let overrun = |at: f64| overrun(run, &machine, plan.longest_delay(), &profile, at);
     let visits = visits(run.toolpath);
     let marks = &run.alignment.marks;
     let known = marks.first().map_or(0.0, |mark| mark.time)..marks.last().map_or(0.0, |mark| mark.time);
@@ -144,7 +152,8 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
             continue;
         }
         let rest = match run.alignment.method {
-            Method::Positions => rest_at(run, &profile, at, short, lost(first, last)),
+            Method::Positions => rest_at(run, &profile, at, short, lost(first, last))
+                .map(|rest| Rest { held_on: rest.held_on.filter(|_| overrun(rest.begin) <= short), ..rest }),
             // Where the recorder slept the machine went on: one that stands says so.
             Method::Lines | Method::Feed
                 if stood(run, fixes[from].time, fixes[to].time + poll)
@@ -162,6 +171,15 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     }
     let (at_dwells, elsewhere): (Vec<Rest>, Vec<Rest>) = found.into_iter().partition(|rest| rest.at_dwell);
     [halts(elsewhere), halts(at_dwells)].concat()
+}
+
+/// Returns the distance behind a place along the path (mm) at which a machine comes to rest that brakes for that place
+/// and is then held, mm; see the front of the module. `delay` is that of its filters, s.
+fn overrun(run: &Run, machine: &Machine, delay: f64, profile: &Profile, at: f64) -> f64 {
+    let segments = &run.toolpath.segments;
+    let feedrate = profile.at_time(profile.time_at_distance(at)).velocity.norm();
+    let segment = segments.at(segment_at(segments, profile, at));
+    0.5 * feedrate * (feedrate / acceleration(&segment, machine) + delay)
 }
 
 /// Adds a rest to those found before it; consecutive rests at one place are joined.
@@ -241,7 +259,8 @@ pub fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -
     let stops = stops_within(run, profile, around.clone());
     if let Some(first) = stops.first() {
         let are_dwells = stops.iter().all(|stop| stop.cause.dwell().is_some());
-        let rest = Rest { line: first.line.0, place: None, begin: at, seconds, at_dwell: true };
+        let line = first.line.0;
+        let rest = Rest { line, place: None, begin: at, seconds, at_dwell: true, held_on: None };
         return are_dwells.then_some(rest);
     }
     if around.contains(&0.0) || around.contains(&profile.length()) {
@@ -262,13 +281,9 @@ pub fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -
             && segments.at(segment - 1).line != segments.at(*segment).line
     });
     if let Some(boundary) = boundary {
-        return Some(Rest {
-            line: segments.at(boundary).line.0,
-            place: None,
-            begin: at,
-            seconds,
-            at_dwell: false,
-        });
+        let [before, line] = [boundary - 1, boundary].map(|segment| segments.at(segment).line.0);
+        let begin = end(boundary);
+        return Some(Rest { line, place: None, begin, seconds, at_dwell: false, held_on: Some(before) });
     }
     let line = segments.at(low).line;
     let first = (0..=low).rev().take_while(|segment| segments.at(*segment).line == line).last()?;
@@ -280,6 +295,7 @@ pub fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -
         begin: end(first),
         seconds,
         at_dwell: false,
+        held_on: None,
     })
 }
 
@@ -320,11 +336,18 @@ fn rest_during(
     let begin = profile.distance_before(visit.segments.start);
     let length = profile.distance_before(visit.segments.end) - begin;
     let place = ((at - begin) / length).clamp(MIN_SHARE_BEHIND_MARK, 1.0);
-    Some(Rest { line: visit.line.0, place: Some(place), begin, seconds, at_dwell: false })
+    let line = visit.line.0;
+    Some(Rest { line, place: Some(place), begin, seconds, at_dwell: false, held_on: None })
 }
 
 impl Rest {
-    /// Returns the hypothesis of the halt that leaves this rest.
+    /// Returns the hypotheses of the halts that leave this rest.
+    pub fn hypotheses(self) -> Vec<Hypothesis> {
+        let held = self.held_on.map(|line| Rest { line, place: Some(1.0), held_on: None, ..self });
+        [self].into_iter().chain(held).map(Rest::hypothesis).collect()
+    }
+
+    /// Returns the hypothesis of the halt that leaves this rest, a wait where both are possible.
     pub fn hypothesis(self) -> Hypothesis {
         let Rest { line, place, seconds, .. } = self;
         let report = move |seconds| {
