@@ -243,6 +243,10 @@ pub fn identify(recording: &Recording) -> Outcome {
     let Some(move_) = Move::of(recording) else {
         return Outcome::NotASingleMove { unexplained: 1.0 };
     };
+    let unexplained = move_.elsewhere(recording);
+    if unexplained.is_nan() || LARGEST_RESIDUAL < unexplained {
+        return Outcome::NotASingleMove { unexplained };
+    }
     let (times, values) = move_.cut(recording);
     if times.len() < needed {
         return Outcome::TooFewSamples { found: times.len(), needed };
@@ -317,6 +321,29 @@ impl Move {
         let from = recording.times.partition_point(|&time| time < self.from);
         let to = recording.times.partition_point(|&time| time <= self.to);
         (&recording.times[from..to], &recording.values[from..to])
+    }
+
+    /// Returns by how much a recording differs from rest before and behind the samples that are used: the RMS of its
+    /// feedrate as a part of the largest one, or twice that of its position as a part of the length.
+    fn elsewhere(&self, recording: &Recording) -> f64 {
+        let Recording { times, values, quantity } = recording;
+        let (first, last) = (values[0], values[values.len() - 1]);
+        let rests = match quantity {
+            RecordedQuantity::Position => [first, last],
+            RecordedQuantity::Feedrate => [0.0; 2],
+        };
+        let from = times.partition_point(|&time| time < self.from);
+        let to = times.partition_point(|&time| time <= self.to);
+        let before = values[..from].iter().map(|value| value - rests[0]);
+        let behind = values[to..].iter().map(|value| value - rests[1]);
+        let outside = (from + values.len() - to).max(1) as f64;
+        let rms = (before.chain(behind).map(|off| off * off).sum::<f64>() / outside).sqrt();
+        match quantity {
+            RecordedQuantity::Position => 2.0 * rms / (last - first).abs(),
+            RecordedQuantity::Feedrate => {
+                rms / values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
+            }
+        }
     }
 }
 

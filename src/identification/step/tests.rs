@@ -248,6 +248,27 @@ fn what_is_no_single_move_is_said_to_be_none() {
     }
 }
 
+/// What moves long after the first move is not cut off.
+#[test]
+fn a_program_is_no_single_move() {
+    let times: Vec<f64> = (0..3000).map(|i| i as f64 * 0.003).collect();
+    let chain = FilterChain::equal(3, 0.0255);
+    let pulse = |t: f64| chain.step(t) - chain.step(t - 0.12);
+    let way = |t: f64| chain.displacement(t) - chain.displacement(t - 0.12);
+    for begins in [&[0.5][..], &[0.5, 4.0], &[0.5, 4.0, 8.0]] {
+        for quantity in [RecordedQuantity::Position, RecordedQuantity::Feedrate] {
+            let value = |time: &f64| match quantity {
+                RecordedQuantity::Position => begins.iter().map(|begin| 50.0 * way(time - begin)).sum(),
+                RecordedQuantity::Feedrate => begins.iter().map(|begin| 50.0 * pulse(time - begin)).sum(),
+            };
+            let values: Vec<f64> = times.iter().map(value).collect();
+            let found = identify(&Recording { times: &times, values: &values, quantity });
+            let is_single = matches!(found, Outcome::Converged(_));
+            assert_eq!(is_single, begins.len() == 1, "{begins:?}, {quantity:?}: {found:?}");
+        }
+    }
+}
+
 #[test]
 fn garbage_has_an_outcome() {
     let identify = |times: &[f64], values: &[f64], quantity| identify(&Recording { times, values, quantity });
