@@ -16,10 +16,10 @@
  * @property {boolean} [runsOnly]  what the program says is told already
  */
 
-/** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, recording: Uint8Array}} CompareRequest */
+/** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, recording: Uint8Array, interval: number | null}} CompareRequest */
 /** Both revisions, the earlier first. @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, tolerance: Column}[]} ReviseRequest */
-/** @typedef {{machine: string, runs: {name: string, program: Blob | Uint8Array, dialect: string | null, recording: Uint8Array}[]}} CalibrateRequest */
-/** @typedef {{machine: string, programs: {program: Blob | Uint8Array, dialect: string | null}[], recording: {name: string, bytes: Uint8Array}}} PairRequest */
+/** @typedef {{machine: string, runs: {name: string, program: Blob | Uint8Array, dialect: string | null, recording: Uint8Array, interval: number | null}[]}} CalibrateRequest */
+/** @typedef {{machine: string, programs: {program: Blob | Uint8Array, dialect: string | null}[], recording: {name: string, bytes: Uint8Array, interval: number | null}}} PairRequest */
 /** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, tolerance: Column, job: string}} CutRequest */
 /** @typedef {{program: Blob | Uint8Array, dialect: string | null, machines: string[]}} TimesRequest */
 /** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, columns: Column[]}} TimesOverRequest */

@@ -14,7 +14,7 @@ export const STORE = 'tabs'
 const MOST = 1_000_000_000
 
 /** @typedef {import("./state/history.js").GivenProgram} KeptProgram */
-/** @typedef {{id: number, name: string, bytes: Uint8Array, program: number | null, used: boolean}} KeptRecording */
+/** @typedef {{id: number, name: string, bytes: Uint8Array, program: number | null, used: boolean, interval: number | null}} KeptRecording */
 /** Its programs by their numbers. @typedef {Omit<Diagnosis, 'runs'> & {runs: {name: string, program: number, columns: DiagnosedColumns}[]}} KeptDiagnosis */
 /** What was found, and what it took the place of. @typedef {{calibration: Calibration | null, diagnosis: KeptDiagnosis | null, sample: Before | null}} Found */
 /** @typedef {{saved: number, job: string, fixture: number | null, letter: Values, programs: KeptProgram[], recordings: KeptRecording[], selected: number | null, recording: number | null} & Found} Kept */
@@ -86,11 +86,17 @@ export function saveOpen(state) {
     return { id, name, file, dialect, title, machine: own, tolerance, setUp, loading }
   })
   // What is compared already need not be found again.
-  const recordings = state.recordings.map(({ id, name, bytes, chosen, program, match, used }) => ({ id, name, bytes, program: match?.report ? program : chosen, used }))
+  const recordings = state.recordings.map(({ id, name, bytes, chosen, program, match, used, interval }) => ({ id, name, bytes, program: match?.report ? program : chosen, used, interval }))
   const { selected, recording, calibration, sample, job, fixture, letter } = state
   const found = [calibration, state.diagnosis, sample]
   const diagnosis = state.diagnosis && { ...state.diagnosis, runs: state.diagnosis.runs.map((run) => ({ ...run, program: run.program.id })) }
-  const standing = JSON.stringify([programs.map(({ file, ...own }) => own), [job, fixture, letter], recordings.map(({ id, program, used }) => [id, program, used]), selected, recording])
+  const standing = JSON.stringify([
+    programs.map(({ file, ...own }) => own),
+    [job, fixture, letter],
+    recordings.map(({ id, program, used, interval }) => [id, program, used, interval]),
+    selected,
+    recording,
+  ])
   if (standing === last && found.every((one, index) => one === lastFound[index])) return
   last = standing
   lastFound = found

@@ -137,6 +137,8 @@ export const say = {
     runOf: 'Program ',
     restStays: 'The program, the machine and all other recordings do not change.',
     comparing: 'Comparing …',
+    interval: 'Time between two rows (s)',
+    readAgain: 'Read again',
     chooseProgram: 'choose',
     dropItsProgram: 'drop the program that was run',
     pairing: 'finding which program was run …',

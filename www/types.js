@@ -172,7 +172,7 @@
 
 /** What a comparison is drawn from: mm, mm/s, s. @typedef {{recordedDistance: Float64Array, recordedFeedrate: Float64Array, recordedTime: Float64Array, simulatedDistance: Float64Array, simulatedFeedrate: Float64Array, simulatedTime: Float64Array, lostDistance: Float64Array, lostSeconds: Float64Array}} MatchedColumns */
 
-/** Why a recording cannot be compared, and what to do. @typedef {{reason: string, advice: string}} Refusal */
+/** Why a recording cannot be compared, and what to do. `asks_interval`: it can be read once the time between its rows is stated. @typedef {{reason: string, advice: string, asks_interval: boolean}} Refusal */
 
 /**
  * A stretch where time was lost.
@@ -275,6 +275,7 @@
  * @property {number | null} program  of which it is; null: not there yet, or not found
  * @property {Found | null} found  which of the programs it is of, by what it holds
  * @property {boolean} used  to calibrate and to diagnose
+ * @property {number | null} interval  time between its rows, s; null: the file states its times
  * @property {string | null} [dialect]  how its program is read
  * @property {Match | null} match
  * @property {string | null} failure  why the last comparison of it ended

@@ -146,7 +146,7 @@ export function workOn(state, engine, page) {
     const request = {
       machine,
       programs: programs.map(({ file: program, dialect }) => ({ program, dialect })),
-      recording: { name: recording.name, bytes: recording.bytes },
+      recording: { name: recording.name, bytes: recording.bytes, interval: recording.interval },
     }
     /** @param {number[]} indices */
     function take(indices) {
@@ -182,12 +182,12 @@ export function workOn(state, engine, page) {
     const stage = stageOf(program.id)
     stage('comparing', 0, recording.name)
     const machine = JSON.stringify(state.machine.values)
-    const request = { program: program.file, machine, dialect, recording: recording.bytes }
+    const request = { program: program.file, machine, dialect, recording: recording.bytes, interval: recording.interval }
     return tried(
       async () => {
         const { report, refusal, columns } = await engine.compare(request, stage)
         // It may have been given another program meanwhile.
-        if (recording.program === program.id && program.dialect === dialect) {
+        if (recording.program === program.id && program.dialect === dialect && recording.interval === request.interval) {
           recording.match = { motion, report, refusal, columns }
           recording.failure = null
         }
@@ -201,10 +201,10 @@ export function workOn(state, engine, page) {
 
   /** The recordings that are used, as they are asked about. */
   function collected() {
-    return usable(state).flatMap(({ name, program: id, bytes: recording }) => {
+    return usable(state).flatMap(({ name, program: id, bytes: recording, interval }) => {
       const program = state.programs.find((candidate) => candidate.id === id)
       if (!program) return []
-      return [{ name, program, request: { name, program: program.file, dialect: program.dialect, recording } }]
+      return [{ name, program, request: { name, program: program.file, dialect: program.dialect, recording, interval } }]
     })
   }
 

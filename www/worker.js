@@ -67,14 +67,14 @@ async function simulate({ program, machine, dialect, columns, labels, runsOnly }
 }
 
 /** @param {PairRequest} request */
-async function pair({ machine, programs, recording: { name, bytes } }) {
+async function pair({ machine, programs, recording: { name, bytes, interval } }) {
   const candidates = new glue.Candidates(machine)
   for (const [index, { program, dialect }] of programs.entries()) {
     stage('pairing', index, programs.length + 1, name)
     candidates.add(await bytesOf(program), dialect ?? undefined)
   }
   stage('pairing', programs.length, programs.length + 1, name)
-  const found = [...candidates.of(bytes)]
+  const found = [...candidates.of(bytes, interval ?? undefined)]
   candidates.free()
   post({ type: 'paired', found }, [])
 }
@@ -89,8 +89,8 @@ async function revise(sides) {
 }
 
 /** @param {CompareRequest} request */
-async function compare({ program, machine, dialect, recording }) {
-  const { report, refusal, columns } = glue.compareRecording(await bytesOf(program), machine, dialect ?? undefined, recording)
+async function compare({ program, machine, dialect, recording, interval }) {
+  const { report, refusal, columns } = glue.compareRecording(await bytesOf(program), machine, dialect ?? undefined, recording, interval ?? undefined)
   const curves = plain(columns, [...MATCHED])
   post({ type: 'compared', report, refusal, columns: curves }, Object.values(curves))
 }
@@ -202,9 +202,9 @@ async function jobOf(program, machine, dialect) {
 /** All runs of a machine, read. @param {string} machine @param {CalibrateRequest["runs"]} runs @param {number} of */
 async function collected(machine, runs, of) {
   const all = new glue.Runs(machine)
-  for (const [index, { name, program, dialect, recording }] of runs.entries()) {
+  for (const [index, { name, program, dialect, recording, interval }] of runs.entries()) {
     stage('reading', index, of, name)
-    all.add(name, await bytesOf(program), dialect ?? undefined, recording)
+    all.add(name, await bytesOf(program), dialect ?? undefined, recording, interval ?? undefined)
   }
   return all
 }

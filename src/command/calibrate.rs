@@ -7,8 +7,7 @@ use truefeed::identification::calibration::calibrate as fitted;
 use truefeed::identification::diagnosis::ModelError;
 use truefeed::identification::fit::{AlignedRun, Run};
 use truefeed::identification::measured::{calibrated_on, measure};
-use truefeed::identification::recording::{ReadingOptions, read_with};
-use truefeed::identification::step::identify_move;
+use truefeed::identification::recording::ReadingOptions;
 use truefeed::project::{CalibrationReport, MoveReport, toml_from_machine};
 
 use crate::command::input::{bytes_of, machine_of};
@@ -76,8 +75,6 @@ pub fn calibrate(parser: &mut lexopt::Parser) -> Result<(), CommandError> {
 
 /// Identifies the filters from the recording of one move.
 fn of_move(path: &Path, options: &ReadingOptions) -> Result<MoveReport, CommandError> {
-    let log = read_with(&bytes_of(path)?, options).map_err(|error| format!("{}: {error}", path.display()))?;
-    let outcome = log.recordings.first().and_then(identify_move);
     let name = path.file_name().unwrap_or(path.as_os_str());
-    MoveReport::new(outcome, &name.to_string_lossy())
+    MoveReport::read(&bytes_of(path)?, options, &name.to_string_lossy())
 }

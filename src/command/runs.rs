@@ -58,7 +58,7 @@ pub fn options(interval: Option<PathBuf>) -> Result<ReadingOptions, CommandError
     let Some(text) = interval else { return Ok(ReadingOptions::default()) };
     let seconds = text.to_str().and_then(|text| text.parse::<f64>().ok());
     match seconds.filter(|seconds| seconds.is_finite() && 0.0 < *seconds) {
-        Some(seconds) => Ok(ReadingOptions { interval: Some(seconds), ..ReadingOptions::default() }),
+        interval @ Some(_) => Ok(ReadingOptions::at_interval(interval)),
         None => Err(format!(
             "{INTERVAL_OPTION} {}: expected a number of seconds above 0, such as 0.002",
             text.display()
@@ -68,5 +68,8 @@ pub fn options(interval: Option<PathBuf>) -> Result<ReadingOptions, CommandError
 
 /// Returns one line with the reason why a recording cannot be compared, and advice.
 pub fn refusal(recording: &Path, error: &AlignedRunError) -> CommandError {
-    format!("{}: {}", recording.display(), Reason::from(error))
+    let reason = Reason::from(error);
+    let option =
+        if reason.asks_interval() { format!(" The option is {INTERVAL_OPTION} S.") } else { String::new() };
+    format!("{}: {reason}{option}", recording.display())
 }

@@ -3,7 +3,7 @@
 use wasm_bindgen::prelude::*;
 
 use crate::identification::alignment::{Pairing, pair};
-use crate::identification::recording::read_with;
+use crate::identification::recording::{ReadingOptions, read_with};
 use crate::machine::Machine;
 use crate::project::{faults_to_json, machine_from_form};
 use crate::simulation::toolpath::Toolpath;
@@ -31,9 +31,11 @@ impl Candidates {
     }
 
     /// Returns the indices of the programs that a recording can belong to: one, several that it cannot
-    /// distinguish, or none.
-    pub fn of(&self, recording: &[u8]) -> Vec<usize> {
-        let Ok(log) = read_with(recording, &Default::default()) else { return Vec::new() };
+    /// distinguish, or none. `interval_s` is the time between its rows if the file does not state it.
+    pub fn of(&self, recording: &[u8], interval_s: Option<f64>) -> Vec<usize> {
+        let Ok(log) = read_with(recording, &ReadingOptions::at_interval(interval_s)) else {
+            return Vec::new();
+        };
         let programs: Vec<&Toolpath> = self.programs.iter().collect();
         match pair(&log, &programs, &self.machine) {
             Pairing::Of(index) => vec![index],

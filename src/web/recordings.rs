@@ -8,9 +8,10 @@ use crate::identification::comparison::{LostTimeCurve, Pointwise, compare, lost_
 use crate::identification::diagnosis::ModelError;
 use crate::identification::fit::{AlignedRun, Run};
 use crate::identification::measured::{calibrated_on, measure};
+use crate::identification::recording::ReadingOptions;
 use crate::machine::Machine;
 use crate::project::{
-    CalibrationReport, ComparisonRefusal, ComparisonReport, faults_to_json, machine_from_form,
+    CalibrationReport, ComparisonRefusal, ComparisonReport, MoveReport, faults_to_json, machine_from_form,
 };
 use crate::simulation::profile::Profile;
 use crate::web::job::object;
@@ -21,10 +22,22 @@ fn recorded(
     program: &[u8],
     dialect: Option<String>,
     recording: &[u8],
+    interval_s: Option<f64>,
     machine: &Machine,
 ) -> Result<AlignedRun, ComparisonRefusal> {
-    AlignedRun::new(toolpath(program, dialect, machine), recording, machine)
+    let options = ReadingOptions::at_interval(interval_s);
+    AlignedRun::with(toolpath(program, dialect, machine), recording, &options, machine)
         .map_err(|error| ComparisonRefusal::from(&error))
+}
+
+/// Identifies the filters of a machine from the recording of one straight move from rest to rest. Returns the machine of
+/// a filled form with these filters, and the summary; throws the form's faults as JSON, or the reason why no filters
+/// were identified.
+#[wasm_bindgen(js_name = filtersOfMove)]
+pub fn filters_of_move(machine: &str, name: &str, recording: &[u8]) -> Result<JsValue, JsError> {
+    let machine = machine_from_form(machine).map_err(|faults| JsError::new(&faults_to_json(&faults)))?;
+    let report = MoveReport::read(recording, &ReadingOptions::default(), name);
+    object(&report.map_err(|reason| JsError::new(&reason))?.on(&machine))
 }
 
 /// The comparison of a recording with the simulation.
@@ -69,16 +82,18 @@ pub struct ComparisonColumns {
 }
 
 /// Compares a recording with the simulation of a program on the machine of a filled form, at the program's
-/// tolerances, or the machine's where the program sets none; throws the form's faults as JSON.
+/// tolerances, or the machine's where the program sets none; throws the form's faults as JSON. `interval_s` is the
+/// time between the rows of the recording if its file does not state it.
 #[wasm_bindgen(js_name = compareRecording)]
 pub fn compare_recording(
     program: &[u8],
     machine: &str,
     dialect: Option<String>,
     recording: &[u8],
+    interval_s: Option<f64>,
 ) -> Result<ComparisonResult, JsError> {
     let machine = machine_from_form(machine).map_err(|faults| JsError::new(&faults_to_json(&faults)))?;
-    let aligned = match recorded(program, dialect, recording, &machine) {
+    let aligned = match recorded(program, dialect, recording, interval_s, &machine) {
         Ok(aligned) => aligned,
         Err(refusal) => {
             let refusal = object(&refusal)?;
@@ -131,9 +146,18 @@ impl RunCollection {
         Ok(RunCollection { machine, names: Vec::new(), aligned: Vec::new() })
     }
 
-    /// Adds a run with a name; returns `true` if the run could be compared.
-    pub fn add(&mut self, name: String, program: &[u8], dialect: Option<String>, recording: &[u8]) -> bool {
-        let Ok(aligned) = recorded(program, dialect, recording, &self.machine) else { return false };
+    /// Adds a run with a name; returns `true` if the run could be compared. `interval_s` is as for a comparison.
+    pub fn add(
+        &mut self,
+        name: String,
+        program: &[u8],
+        dialect: Option<String>,
+        recording: &[u8],
+        interval_s: Option<f64>,
+    ) -> bool {
+        let Ok(aligned) = recorded(program, dialect, recording, interval_s, &self.machine) else {
+            return false;
+        };
         self.names.push(name);
         self.aligned.push(aligned);
         true

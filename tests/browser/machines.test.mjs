@@ -185,3 +185,32 @@ pageTest('what is saved can be read until the browser has read it', async ({ pag
   assert.equal(revoked.length, 1)
   assert.match(revoked[0], /^blob:/)
 })
+
+const MOVE = { feedrate: 40, length: 60, constant: 0.076, interval: 0.002 }
+
+/** A recording of one straight move along X behind two equal filters: its command is constant, and each filter a moving average. */
+function recordedMove({ feedrate, length, constant, interval }) {
+  const [commanded, width] = [length / feedrate, Math.round(constant / interval)]
+  const mean = (values) => values.map((_, at) => values.slice(Math.max(at - width + 1, 0), at + 1).reduce((sum, value) => sum + value, 0) / width)
+  const command = Array.from({ length: Math.round((commanded + 1.2) / interval) }, (_, at) => (0.5 <= at * interval && at * interval < 0.5 + commanded ? feedrate : 0))
+  let x = 0
+  const rows = mean(mean(command)).map((velocity, at) => `${(at * interval).toFixed(4)},${((x += velocity * interval)).toFixed(5)}`)
+  return ['t_s,x_mm', ...rows].join('\n')
+}
+
+pageTest('one recorded move gives the filters, with undo, and what is no move says so', async ({ page }) => {
+  const before = await page.inputValue('#field-interpolator-time_constant_s')
+  const give = (name, text) => page.setInputFiles('#machine-move', { name, mimeType: 'text/csv', buffer: Buffer.from(text) })
+  await give('ramp.csv', recordedMove(MOVE))
+  await page.waitForFunction(() => document.querySelector('#machine .moved').textContent !== '')
+  assert.match(await page.textContent('#machine .moved'), /ramp\.csv: one move of 60\.\d+ mm at 2400 mm\/min, 2 equal filters/)
+  const after = Number(await page.inputValue('#field-interpolator-time_constant_s'))
+  assert.ok(Math.abs(after - MOVE.constant) < 1e-3, `${after} s`)
+  await page.click('#machine .undo button')
+  assert.equal(await page.inputValue('#field-interpolator-time_constant_s'), before)
+  assert.equal(await page.textContent('#machine .moved'), '', 'what was taken back is not said any more')
+  await give('noise.csv', ['t_s,x_mm', ...Array.from({ length: 800 }, (_, at) => `${(0.002 * at).toFixed(3)},${Math.sin(at / 9).toFixed(4)}`)].join('\n'))
+  await page.waitForFunction(() => document.querySelector('#machine .import-fault').textContent !== '')
+  assert.match(await page.textContent('#machine .import-fault'), /noise\.csv: .*(not one straight move|samples|converge)/)
+  assert.equal(await page.inputValue('#field-interpolator-time_constant_s'), before)
+})

@@ -21,6 +21,7 @@ const BASIC = ['name', 'rapid.feed_mm_min', 'path.acceleration_mm_s2', 'times.to
  * @property {() => Step} duplicateMachine
  * @property {() => Step} removeMachine
  * @property {(text: string) => Promise<Step>} importMachine
+ * @property {(name: string, recording: Uint8Array) => Promise<{sentence: string, step: Step}>} takeMove
  */
 
 /** @param {HTMLElement} root @param {Form} form @param {Actions} actions */
@@ -29,6 +30,8 @@ export function mount(root, form, actions) {
   const button = (/** @type {string} */ name) => /** @type {HTMLButtonElement} */ (find(root, name))
   const [reset, save, keep, duplicate, remove] = ['.reset', '.save', '.keep', '.duplicate', '.remove'].map(button)
   const file = /** @type {HTMLInputElement} */ (find(root, '#machine-file'))
+  const move = /** @type {HTMLInputElement} */ (find(root, '#machine-move'))
+  const moved = find(root, '.moved')
   const more = /** @type {HTMLDetailsElement} */ (find(root, 'details'))
   const search = /** @type {HTMLInputElement} */ (find(root, '.search input[type="search"]'))
   const onlySet = /** @type {HTMLInputElement} */ (find(root, '.search input[type="checkbox"]'))
@@ -38,6 +41,8 @@ export function mount(root, form, actions) {
   const undo = mountUndo(find(root, '.undo'))
   /** @type {Values} */
   let values = {}
+  /** Those with the filters of a recorded move. @type {Values | undefined} */
+  let taken
   /** The starts that are offered now. @type {string} */
   let offered = ''
 
@@ -52,6 +57,12 @@ export function mount(root, form, actions) {
     if (!chosen) return
     await take(chosen)
     file.value = ''
+  })
+  move.addEventListener('change', async () => {
+    const [chosen] = move.files ?? []
+    if (!chosen) return
+    await takeMove(chosen)
+    move.value = ''
   })
   find(root, 'form').addEventListener('submit', (event) => event.preventDefault())
 
@@ -71,6 +82,20 @@ export function mount(root, form, actions) {
       undo.offer(say.machine.loaded(chosen.name), step)
     } catch (reason) {
       fault.textContent = say.machine.notMachine(chosen.name, reason)
+    }
+  }
+
+  /** Takes the filters of a recorded move, or says why there are none. @param {File} chosen */
+  async function takeMove(chosen) {
+    try {
+      const { sentence, step } = await actions.takeMove(chosen.name, new Uint8Array(await chosen.arrayBuffer()))
+      fault.textContent = ''
+      moved.textContent = worded(sentence)
+      taken = values
+      undo.offer(say.machine.filtersOf(chosen.name), step)
+    } catch (reason) {
+      moved.textContent = ''
+      fault.textContent = reason instanceof Error ? reason.message : String(reason)
     }
   }
 
@@ -113,6 +138,10 @@ export function mount(root, form, actions) {
     update({ machine, calibration }) {
       undo.update()
       values = machine.values
+      if (taken && !same(values, taken)) {
+        taken = undefined
+        moved.textContent = ''
+      }
       const start = form.presets[machine.preset]
       offer(JSON.stringify(form.presets.map(({ name }) => name)))
       preset.value = String(machine.preset)

@@ -91,21 +91,35 @@ export function mount(root, actions) {
     return make('li', {}, choose, make('label', { className: 'of' }, say.recording.runOf, of), use, removal)
   }
 
+  /** The time between the rows of a recording whose file does not state it. @param {Recording} entry */
+  function intervalForm({ id, interval }) {
+    const input = make('input', { type: 'number', id: 'interval', min: '0', step: 'any', required: true, value: interval === null ? '' : String(interval) })
+    const form = make('form', { className: 'interval' }, make('label', { htmlFor: input.id }, say.recording.interval), input, make('button', { type: 'submit' }, say.recording.readAgain))
+    form.addEventListener('submit', (event) => {
+      event.preventDefault()
+      actions.setInterval(id, input.valueAsNumber)
+    })
+    return form
+  }
+
   /** @param {Recording} entry */
-  function fill({ match }) {
+  function fill(entry) {
+    const { match } = entry
     const { report, refusal, columns } = match ?? {}
+    const forms = refusal?.asks_interval || (entry.interval ?? null) !== null ? [intervalForm(entry)] : []
     chosen.hidden = true
     view.hidden = !report
     tables.replaceChildren()
     if (refusal) {
       const rest = say.recording.restStays
-      answer.replaceChildren(make('p', { className: 'sentence refused' }, worded(refusal.reason)), make('p', {}, worded(refusal.advice), ' ', make('span', { className: 'small' }, rest)))
+      answer.replaceChildren(make('p', { className: 'sentence refused' }, worded(refusal.reason)), make('p', {}, worded(refusal.advice), ' ', make('span', { className: 'small' }, rest)), ...forms)
     }
     if (!report || !columns || !program?.outcome) return
     answer.replaceChildren(
       make('p', { className: 'sentence' }, worded(report.sentence)),
       make('p', { className: 'facts' }, worded([report.aligned, ...report.measures].join(' '))),
       ...remarks(report.remarks),
+      ...forms,
     )
     fillChart(chart)
     plot.fit(true)

@@ -17,6 +17,7 @@ const SAMPLE = { program: 'standin.nc', recording: 'standin.csv', machine: 'stan
  * @property {(id: number) => void} selectRecording
  * @property {(id: number, program: number) => void} setProgramOf
  * @property {(id: number, used: boolean) => void} setUsed
+ * @property {(id: number, interval: number) => void} setInterval  s
  * @property {(id: number) => import('../state/store.js').Step} removeRecording
  * @property {(sample: {machine: string, program: {name: string, file: Blob}, recording: {name: string, bytes: Uint8Array}}) => Promise<void>} addSample
  */

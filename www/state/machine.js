@@ -81,6 +81,12 @@ export function machineActions(store) {
       const { valuesOfFile } = await whole()
       return adopt(JSON.parse(valuesOfFile(text)))
     },
+    /** Takes the filters of one recorded move into the form; throws why there are none. @param {string} name @param {Uint8Array} recording */
+    async takeMove(name, recording) {
+      const { filtersOfMove } = await whole()
+      const { sentence, values } = filtersOfMove(JSON.stringify(store.now.values), name, recording)
+      return { sentence, step: actions.setMachine(values) }
+    },
     /** Takes a kept machine out. */
     removeMachine() {
       const { kept, start, beside } = store.now

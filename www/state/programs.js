@@ -25,7 +25,7 @@ export function programActions(store, page) {
   function recorded(files, program) {
     /** @type {GivenRecording[]} */
     const all = [...store.now.recordings]
-    for (const { name, bytes } of files) all.push({ id: nextId++, name: freeName(name, all), bytes, program, used: true })
+    for (const { name, bytes } of files) all.push({ id: nextId++, name: freeName(name, all), bytes, program, used: true, interval: null })
     return all
   }
 
@@ -91,6 +91,10 @@ export function programActions(store, page) {
     /** Says which program a recording is of. @param {number} id @param {number} program */
     setProgramOf(id, program) {
       store.change({ recordings: otherwise(store.now.recordings, id, { program }), recording: id, selected: program })
+    },
+    /** States the time between the rows of a recording whose file does not. @param {number} id @param {number} interval  s */
+    setInterval(id, interval) {
+      store.change({ recordings: otherwise(store.now.recordings, id, { interval }), recording: id })
     },
     /** Whether a recording is used to calibrate and to diagnose. @param {number} id @param {boolean} used */
     setUsed(id, used) {

@@ -74,6 +74,13 @@ pub struct ReadingOptions {
     pub columns: Option<Vec<String>>,
 }
 
+impl ReadingOptions {
+    /// Returns the options of a file with this time between rows, s; `None` if the file states its times.
+    pub fn at_interval(interval: Option<f64>) -> ReadingOptions {
+        ReadingOptions { interval, ..ReadingOptions::default() }
+    }
+}
+
 /// The content of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Log {

@@ -1,10 +1,14 @@
 //! The filters identified from one recorded move, as JSON and as text, and the machine with them.
 
 use serde::Serialize;
+use serde_json::{Map, Value};
 
-use crate::identification::step::{Estimate, Filters, Fit, Identification, Outcome};
+use crate::identification::recording::{ReadingOptions, read_with};
+use crate::identification::step::{Estimate, Filters, Fit, Identification, Outcome, identify_move};
 use crate::machine::{Machine, TimeConstants};
-use crate::project::figures::to_the_digits_of;
+use crate::project::calibration::report::rounded;
+use crate::project::figures::{FITTED_DIGITS, to_the_digits_of};
+use crate::project::machine::form::values;
 use crate::units::{PERCENT, Unit, mm_per_min};
 
 /// The filters of a move; every number has its unit in its key.
@@ -25,13 +29,27 @@ pub struct MoveReport {
     fit: Fit,
 }
 
+/// A machine with the filters of a move.
+#[derive(Clone, Debug, Serialize)]
+pub struct MachineOfMove {
+    /// Summary of the move and its filters.
+    sentence: String,
+    /// Machine as a filled form.
+    values: Map<String, Value>,
+}
+
 impl MoveReport {
-    /// Returns the report of the recording with this name.
+    /// Returns the report of the recording with this name, whose file may not state all that `options` do.
     ///
     /// # Errors
     ///
-    /// Returns the reason, in one line, if no filters were identified.
-    pub fn new(outcome: Option<Outcome>, name: &str) -> Result<MoveReport, String> {
+    /// Returns the reason, in one line, if the recording cannot be read or no filters were identified.
+    pub fn read(recording: &[u8], options: &ReadingOptions, name: &str) -> Result<MoveReport, String> {
+        let log = read_with(recording, options).map_err(|error| format!("{name}: {error}"))?;
+        MoveReport::new(log.recordings.first().and_then(identify_move), name)
+    }
+
+    fn new(outcome: Option<Outcome>, name: &str) -> Result<MoveReport, String> {
         let refusal = |what: String| format!("{name}: {what}");
         match outcome {
             Some(Outcome::Converged(found)) => Ok(report(&found, name)),
@@ -61,6 +79,12 @@ impl MoveReport {
             Filters::UnequalPair => TimeConstants::Unequal(constants),
         };
         machine
+    }
+
+    /// Returns the machine with these filters as a filled form, with the summary.
+    pub fn on(&self, machine: &Machine) -> MachineOfMove {
+        let values = rounded(values(&self.apply(machine)), &values(machine), FITTED_DIGITS);
+        MachineOfMove { sentence: self.sentence.clone(), values }
     }
 
     /// Returns the report as JSON.

@@ -111,6 +111,8 @@ pub struct ComparisonRefusal {
     reason: String,
     /// Advice.
     pub(in crate::project) advice: &'static str,
+    /// `true` if the recording can be read once the time between its rows is stated.
+    asks_interval: bool,
 }
 
 impl From<&AlignedRunError> for ComparisonRefusal {
@@ -119,6 +121,13 @@ impl From<&AlignedRunError> for ComparisonRefusal {
             AlignedRunError::Recording(error) => ComparisonRefusal::from(error),
             AlignedRunError::Alignment(error) => ComparisonRefusal::from(error),
         }
+    }
+}
+
+impl ComparisonRefusal {
+    /// Returns `true` if the recording can be read once the time between its rows is stated.
+    pub fn asks_interval(&self) -> bool {
+        self.asks_interval
     }
 }
 
@@ -140,7 +149,7 @@ impl From<&RecordingError> for ComparisonRefusal {
                 "Record positions, the feed or the program line, in columns named x_mm, y_mm, z_mm, feed_mm_min or line."
             }
             RecordingError::NoTime { .. } => {
-                "Name the time column with its unit, as in t_s or t_ms, or state the sampling interval (--interval-s S)."
+                "Name the time column with its unit, as in t_s or t_ms, or state the sampling interval."
             }
             RecordingError::TimeUnit { .. } => {
                 "Name the time column with its unit, as in t_s or t_ms, in the file's first row."
@@ -154,7 +163,8 @@ impl From<&RecordingError> for ComparisonRefusal {
             }
             _ => "Correct this line, or export the log again.",
         };
-        ComparisonRefusal { reason: sentence_of(&error.to_string()), advice }
+        let asks_interval = matches!(error, RecordingError::NoTime { .. });
+        ComparisonRefusal { reason: sentence_of(&error.to_string()), advice, asks_interval }
     }
 }
 
@@ -185,7 +195,7 @@ impl From<&AlignmentError> for ComparisonRefusal {
                 "Choose the program that ran, or drop that program together with this recording."
             }
         };
-        ComparisonRefusal { reason: sentence_of(&error.to_string()), advice }
+        ComparisonRefusal { reason: sentence_of(&error.to_string()), advice, asks_interval: false }
     }
 }
 
