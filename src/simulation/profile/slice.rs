@@ -54,6 +54,36 @@ impl PulseSlice {
         (arrived.over(arc, length), arrives.over(arc, length))
     }
 
+    /// Returns the acceleration that the slice along an arc of `length` (mm) contributes, mm/s²: the change of its
+    /// command, and the steps of the command at its ends.
+    #[inline(never)]
+    pub(super) fn acceleration_along_arc(&self, arc: &Arc, length: f64, filter: &FilterChain) -> Vector {
+        let (slope, per_length) = (self.slope(), 1.0 / length);
+        let mut sum = ArcFrameVector::default();
+        for span in filter.spans(self.younger, self.older) {
+            quadrature(self, arc, length, span.begin..span.end, |node| {
+                let impulse = node.weight * span.impulse(node.age);
+                let square = node.feedrate * node.feedrate * per_length;
+                sum.add_scaled(impulse * slope, node.first);
+                sum.add_scaled(
+                    impulse * square,
+                    arc.second_derivative_in_plane(node.sigma, node.sin, node.cos),
+                );
+            });
+        }
+        for (age, sign) in [(self.older, 1.0), (self.younger, -1.0)] {
+            let impulse = filter.impulse(age);
+            if impulse != 0.0 {
+                let (feedrate, s) = self.at(age);
+                let sigma = s * per_length;
+                let (sin, cos) = (arc.sweep * sigma).sin_cos();
+                let [first, second] = arc.derivative_in_plane(sigma, sin, cos);
+                sum.add_scaled(sign * impulse * feedrate, [first, second, 1.0]);
+            }
+        }
+        sum.over(arc, length)
+    }
+
     /// Returns the slope of the command, mm/s².
     pub(super) fn slope(&self) -> f64 {
         let duration = self.older - self.younger;
@@ -88,8 +118,14 @@ pub(super) struct QuadratureNode {
     pub age: f64,
     /// Weight in the integral, s.
     pub weight: f64,
-    /// Velocity per mm of segment length, in the frame of the arc.
-    velocity: ArcFrameVector,
+    /// Feedrate of the command, mm/s.
+    pub feedrate: f64,
+    /// Fraction of the arc, and sine and cosine of the angle turned so far.
+    pub sigma: f64,
+    pub sin: f64,
+    pub cos: f64,
+    /// Derivative of the position by σ, mm, in the frame of the arc.
+    pub first: [f64; 3],
 }
 
 /// A vector in the frame of an arc, as the parts along e1, e2 and the rise, mm²/s.
@@ -99,7 +135,11 @@ pub(super) struct ArcFrameVector([f64; 3]);
 impl ArcFrameVector {
     /// Adds `factor` times the velocity at a node.
     pub(super) fn add(&mut self, factor: f64, node: &QuadratureNode) {
-        self.0.iter_mut().zip(node.velocity.0).for_each(|(sum, part)| *sum += factor * part);
+        self.add_scaled(factor, node.first.map(|part| node.feedrate * part));
+    }
+
+    fn add_scaled(&mut self, factor: f64, parts: [f64; 3]) {
+        self.0.iter_mut().zip(parts).for_each(|(sum, part)| *sum += factor * part);
     }
 
     /// Returns the vector in space, for an arc of `length`, mm.
@@ -165,8 +205,8 @@ pub(super) fn quadrature(
                 (arc.sweep * sigma).sin_cos()
             };
             let [first, second] = arc.derivative_in_plane(sigma, sin, cos);
-            let velocity = ArcFrameVector([feedrate * first, feedrate * second, feedrate]);
-            visit(QuadratureNode { age, weight: weight * half, velocity });
+            let first = [first, second, 1.0];
+            visit(QuadratureNode { age, weight: weight * half, feedrate, sigma, sin, cos, first });
         }
     }
 }

@@ -177,48 +177,61 @@ impl FilteredMotion<'_> {
         (distance_before(oldest.segment) + oldest.offset + sum.distance, sum.feedrate)
     }
 
+    /// Returns the acceleration of the tool, mm/s².
+    pub(super) fn acceleration(&self, moment: Moment) -> Vector {
+        let filter = self.filter;
+        let of_slice = |sum: &mut Vector, slice: PulseSlice| {
+            let at_end = |age: f64| filter.impulse(age) * slice.at(age).0;
+            match self.segments.curve(slice.segment) {
+                Curve::Line => {
+                    let mut along = at_end(slice.older) - at_end(slice.younger);
+                    let slope = slice.slope();
+                    if slope != 0.0 {
+                        along += slope * (filter.step(slice.older) - filter.step(slice.younger));
+                    }
+                    *sum += along * self.segments.direction(slice.segment);
+                }
+                Curve::Arc(arc) => {
+                    let length = self.segments.length(slice.segment);
+                    *sum += slice.acceleration_along_arc(arc, length, filter);
+                }
+            }
+        };
+        let mut sum = Vector::zeros();
+        self.for_each_part(moment, &mut sum, of_slice, |sum, cluster, filter| {
+            *sum += cluster.dynamics(filter).0
+        });
+        sum
+    }
+
     /// Returns acceleration and jerk of the tool.
     pub fn dynamics(&self, moment: Moment) -> Dynamics {
         let filter = self.filter;
-        let mut acceleration = Vector::zeros();
-        let mut jerk = Vector::zeros();
-        let of_slice = |(acceleration, jerk): &mut (&mut Vector, &mut Vector), slice: PulseSlice| {
+        let of_slice = |jerk: &mut Vector, slice: PulseSlice| {
             let slope = slice.slope();
             let segment = self.segments.at(slice.segment);
             for (age, sign) in [(slice.older, 1.0), (slice.younger, -1.0)] {
                 let (feedrate, s) = slice.at(age);
                 let [first, second, _] = segment.derivatives(s);
-                let commanded = feedrate * first;
                 let change = slope * first + feedrate * feedrate * second;
-                **acceleration += sign * filter.impulse(age) * commanded;
-                **jerk += sign * (filter.impulse_slope(age) * commanded + filter.impulse(age) * change);
+                *jerk += sign * (filter.impulse_slope(age) * feedrate * first + filter.impulse(age) * change);
             }
-            match &segment.curve {
-                Curve::Line if slope == 0.0 => {}
-                Curve::Line => {
-                    let arrived = filter.step(slice.older) - filter.step(slice.younger);
-                    **acceleration += slope * arrived * segment.tangent(0.0);
-                }
-                Curve::Arc(arc) => {
-                    for span in filter.spans(slice.younger, slice.older) {
-                        quadrature(&slice, arc, segment.length, span.begin..span.end, |node| {
-                            let (feedrate, s) = slice.at(node.age);
-                            let [first, second, third] = segment.derivatives(s);
-                            let impulse = node.weight * span.impulse(node.age);
-                            **acceleration += impulse * (slope * first + feedrate * feedrate * second);
-                            **jerk += impulse * (3.0 * feedrate * slope * second + feedrate.powi(3) * third);
-                        });
-                    }
+            if let Curve::Arc(arc) = &segment.curve {
+                for span in filter.spans(slice.younger, slice.older) {
+                    quadrature(&slice, arc, segment.length, span.begin..span.end, |node| {
+                        let (feedrate, s) = slice.at(node.age);
+                        let [_, second, third] = segment.derivatives(s);
+                        let impulse = node.weight * span.impulse(node.age);
+                        *jerk += impulse * (3.0 * feedrate * slope * second + feedrate.powi(3) * third);
+                    });
                 }
             }
         };
-        let mut sums = (&mut acceleration, &mut jerk);
-        self.for_each_part(moment, &mut sums, of_slice, |sums, cluster, filter| {
-            let (of_crowd, change) = cluster.dynamics(filter);
-            *sums.0 += of_crowd;
-            *sums.1 += change;
+        let mut jerk = Vector::zeros();
+        self.for_each_part(moment, &mut jerk, of_slice, |jerk, cluster, filter| {
+            *jerk += cluster.dynamics(filter).1
         });
-        Dynamics { acceleration, jerk }
+        Dynamics { acceleration: self.acceleration(moment), jerk }
     }
 
     /// Adds all pulses and clusters in the window to `sum`, the youngest first; returns the command one

@@ -163,7 +163,7 @@ impl AccelerationLimits {
                 let tangent = state.velocity / filtered;
                 share = tangent.abs();
                 if self.have_axes() {
-                    let acceleration = motion.dynamics(moment).acceleration;
+                    let acceleration = motion.acceleration(moment);
                     let across = acceleration - acceleration.dot(&tangent) * tangent;
                     curvature = across.abs() / (filtered * filtered);
                 }

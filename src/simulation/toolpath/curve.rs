@@ -112,6 +112,14 @@ impl Arc {
         [widening * cos - turning * sin, turning * cos + widening * sin]
     }
 
+    /// Returns the components of the second derivative of the position by σ, mm, along e1, e2 and the rise, as
+    /// [`derivative_in_plane`](Arc::derivative_in_plane) does. It neglects the change of the radius, as the curvature does.
+    pub fn second_derivative_in_plane(&self, sigma: f64, sin: f64, cos: f64) -> [f64; 3] {
+        let radius = self.start_radius + (self.end_radius - self.start_radius) * sigma;
+        let towards_centre = -radius * self.sweep * self.sweep;
+        [towards_centre * cos, towards_centre * sin, 0.0]
+    }
+
     /// Returns the derivative of the position by σ, mm.
     fn derivative(&self, sigma: f64) -> Vector {
         let (sin, cos) = (self.sweep * sigma).sin_cos();
