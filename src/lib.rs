@@ -33,6 +33,7 @@ pub mod machine;
 pub mod plot;
 pub mod project;
 pub mod quote;
+pub mod side_by_side;
 pub mod simulation;
 pub mod units;
 

@@ -7,6 +7,7 @@ use std::path::Path;
 /// Stages in the order data flows. A stage uses only those before it.
 const FLOW: &[&str] = &[
     "units",
+    "side_by_side",
     "machine",
     "simulation/ordered",
     "simulation/packed",

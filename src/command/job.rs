@@ -6,13 +6,13 @@ use lexopt::prelude::*;
 use truefeed::machine::Machine;
 use truefeed::project::{JobComparison, JobFile, JobOperationFile, JobReport, MachineSource, PlannedProgram};
 use truefeed::quote::{programmed_time, quote};
+use truefeed::side_by_side::side_by_side;
 use truefeed::simulation::gcode::title;
 use truefeed::simulation::interpreter::trace_text;
 use truefeed::simulation::simulate;
 
 use crate::command::input::{bytes_of, machine_of};
 use crate::command::output::Output;
-use crate::command::predict::side_by_side;
 use crate::command::{CommandError, declined, help, once, print, value};
 
 /// The request of `job`.
@@ -106,8 +106,11 @@ impl JobFiles {
         };
         let operations = &self.job.operations;
         let machines: Vec<Machine> = operations.iter().map(machine).collect::<Result<_, _>>()?;
-        let planned =
-            side_by_side(operations.len(), |index| self.planned(&operations[index], &machines[index]));
+        let planned = side_by_side(
+            operations.len(),
+            |index| self.planned(&operations[index], &machines[index]),
+            &mut |_| {},
+        );
         let planned = planned.into_iter().collect::<Result<_, _>>()?;
         Ok(JobReport::new(&self.job, machines, planned))
     }

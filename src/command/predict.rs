@@ -1,16 +1,15 @@
 //! `truefeed predict`: the cycle time of a program at each contour tolerance.
 
 use std::num::NonZero;
-use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::thread::{available_parallelism, scope};
 
 use lexopt::prelude::*;
 use truefeed::project::{
     Prediction, doubt_sentence, profile_csv, range_sentence, severity_word, spacing_note,
 };
 use truefeed::quote::{FunctionBreakdown, Quote, TimeShare, programmed_time, quote};
+use truefeed::side_by_side::side_by_side;
 use truefeed::simulation::drive::actual_motion;
 use truefeed::simulation::feed::{ToleranceRange, Tolerances};
 use truefeed::simulation::gcode::{ArcCenters, Dialect, Options};
@@ -105,12 +104,16 @@ fn predict_one(request: PredictRequest) -> Result<(), CommandError> {
     };
     // A plan is large, and so is dropped once its results are computed.
     let is_kept = |index: usize| cut.is_some() || (index == 0 && profile.is_some());
-    let results = side_by_side(tolerances.len(), |index| {
-        let tolerance = tolerances[index];
-        let (plan, errors) = simulate::within(&toolpath, &machine, tolerance, &mut |_| {});
-        let quote = quote(&toolpath, &machine, &plan, tolerance, &errors);
-        (quote, is_kept(index).then_some(plan))
-    });
+    let results = side_by_side(
+        tolerances.len(),
+        |index| {
+            let tolerance = tolerances[index];
+            let (plan, errors) = simulate::within(&toolpath, &machine, tolerance, &mut |_| {});
+            let quote = quote(&toolpath, &machine, &plan, tolerance, &errors);
+            (quote, is_kept(index).then_some(plan))
+        },
+        &mut |_| {},
+    );
     let mut quotes = Vec::with_capacity(tolerances.len());
     for (index, (quote, plan)) in results.into_iter().enumerate() {
         quotes.push(quote);
@@ -138,23 +141,6 @@ fn predict_one(request: PredictRequest) -> Result<(), CommandError> {
         let cutting = cut.map_or(String::new(), |cut| cut.text(&toolpath));
         print(&(table(&name, programmed, &quotes, &toolpath) + &cutting))
     }
-}
-
-/// Returns the results of `work` for the numbers below `count`, in order, computed on all processors.
-pub(super) fn side_by_side<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let threads = available_parallelism().map_or(1, NonZero::get).min(count);
-    let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
-    scope(|scope| {
-        let own = |first: usize| (first..count).step_by(threads).map(|index| (index, work(index)));
-        let others: Vec<_> =
-            (1..threads).map(|first| scope.spawn(move || own(first).collect::<Vec<_>>())).collect();
-        let mut put = |(index, result): (usize, T)| results[index] = Some(result);
-        own(0).for_each(&mut put);
-        for other in others {
-            other.join().unwrap_or_else(|panic| resume_unwind(panic)).into_iter().for_each(&mut put);
-        }
-    });
-    results.into_iter().flatten().collect()
 }
 
 /// Reads the rest of the command line; `None` if it requests help.

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::identification::fit::levenberg_marquardt::{self, Problem, Search, SearchMinimum};
 use crate::identification::fit::{FreeParameter, Run, VariationScale, Whitening, whitened, with};
 use crate::machine::Machine;
+use crate::side_by_side::side_by_side;
 
 /// c: larger whitened residuals are weighted less.
 const HUBER_THRESHOLD: f64 = 2.0;
@@ -101,15 +102,8 @@ impl Problem for FitProblem<'_> {
         found: &[Vec<f64>],
         last: &[DMatrix<f64>],
     ) -> Vec<DMatrix<f64>> {
-        let mut jacobians: Vec<DMatrix<f64>> =
-            found.iter().map(|run| DMatrix::zeros(run.len(), self.freed.len())).collect();
-        for (column, freed) in self.freed.iter().enumerate() {
-            if freed.is_linear && !last.is_empty() {
-                for (jacobian, last) in jacobians.iter_mut().zip(last) {
-                    jacobian.set_column(column, &last.column(column));
-                }
-                continue;
-            }
+        let difference = |column: usize| {
+            let freed = &self.freed[column];
             let step = freed.step(freed.from_internal(varied[column]));
             let beside = |sign: f64| {
                 let mut beside = varied.clone();
@@ -118,17 +112,24 @@ impl Problem for FitProblem<'_> {
             };
             // A linear parameter needs no second point.
             let below = if freed.is_linear { (varied[column], found.to_vec()) } else { beside(-1.0) };
-            let ((low, below), (high, above)) = (below, beside(1.0));
-            if high - low <= 0.0 {
-                continue;
-            }
-            for (run, jacobian) in jacobians.iter_mut().enumerate() {
-                for row in 0..jacobian.nrows() {
-                    jacobian[(row, column)] = (above[run][row] - below[run][row]) / (high - low);
-                }
-            }
-        }
-        jacobians
+            (below, beside(1.0))
+        };
+        let is_kept = |column: usize| self.freed[column].is_linear && !last.is_empty();
+        let columns = 0..self.freed.len();
+        let differences =
+            side_by_side(columns.len(), |column| (!is_kept(column)).then(|| difference(column)), &mut |_| {});
+        let quotient = |run: usize, column: usize| match &differences[column] {
+            None => last[run].column(column).into_owned(),
+            Some(((low, below), (high, above))) => DVector::from_fn(found[run].len(), |row, _| {
+                if low < high { (above[run][row] - below[run][row]) / (high - low) } else { 0.0 }
+            }),
+        };
+        let jacobian = |run: usize| {
+            let mut jacobian = DMatrix::zeros(found[run].len(), columns.len());
+            columns.clone().for_each(|column| jacobian.set_column(column, &quotient(run, column)));
+            jacobian
+        };
+        (0..found.len()).map(jacobian).collect()
     }
 
     fn after_step(&self, varied: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
