@@ -236,7 +236,8 @@ pub fn page(results: &Value) -> String {
         "Brier score of \"x % sure\"",
         format!("{:.3}, {} causes", sure["brier"].as_f64().unwrap_or(0.0), sure["causes"]),
     );
-    for bin in sure["bins"].as_array().into_iter().flatten() {
+    let is_filled = |bin: &&Value| bin["right"]["of"] != 0;
+    for bin in sure["bins"].as_array().into_iter().flatten().filter(is_filled) {
         let sure = format!("said {} sure on average, right", percent(&bin["mean"]));
         row(&sure, rate_words(&bin["right"]));
     }

@@ -26,6 +26,26 @@ pub struct Evidence<'a> {
     assumed: Vec<FreeParameter>,
 }
 
+/// Runs in which causes are searched.
+pub struct Looked<'a> {
+    /// Whole runs, or excerpts of them.
+    pub runs: &'a [Run<'a>],
+    /// Whole runs.
+    pub whole: &'a [Run<'a>],
+    /// `true` if `runs` are excerpts.
+    pub in_parts: bool,
+}
+
+impl<'a> Looked<'a> {
+    /// Returns the evidence of the runs with the noise under which the residuals of a machine are normal.
+    pub fn evidence(&self, machine: &Machine) -> Evidence<'a> {
+        match self.in_parts {
+            true => Evidence::in_common(self.runs, machine),
+            false => Evidence::of(self.runs, machine),
+        }
+    }
+}
+
 /// A hypothesis with the values at which it fits best.
 #[derive(Clone, Debug)]
 pub struct Candidate {

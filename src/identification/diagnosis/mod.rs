@@ -2,7 +2,7 @@
 //! their confidence.
 //!
 //! The search accepts one hypothesis at a time, first the one that explains most; it names a hypothesis only if that
-//! passes every acceptance test of `search`. Causes that a recording shows directly come before all others
+//! passes every test of `acceptance`. Causes that a recording shows directly come before all others
 //! (`read_off`). A long run is searched in `excerpts` of it, and a cause is kept if it holds on the whole run.
 //!
 //! After each cause the search repeats on the remaining lost time. At the end it removes every cause that the others
@@ -12,6 +12,7 @@
 //! The remaining lost time is judged by itself (`verdict`): if it is large and has no cause, the result is unknown, and
 //! the diagnosis locates it.
 
+mod acceptance;
 mod account;
 mod cause;
 mod confidence;
@@ -48,13 +49,12 @@ use crate::identification::calibration::calibrate;
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::diagnosis::cause::{AcceptedCause, candidates};
 use crate::identification::diagnosis::confidence::weighed;
-use crate::identification::diagnosis::evidence::with_all;
+use crate::identification::diagnosis::evidence::{Looked, with_all};
 use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::model_error::{
     MAX_CHANGED_SETTINGS, is_of_machine, is_worth_a_search, without_story,
 };
-use crate::identification::diagnosis::search::Looked;
 use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::verdict::Left;
 use crate::identification::effects::{self, Effect, Hypothesis, library};

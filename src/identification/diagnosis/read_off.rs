@@ -5,9 +5,8 @@
 //! cause, unless the search runs on excerpts, which may not contain them.
 
 use crate::identification::diagnosis::cause::{AcceptedCause, candidates, odds};
-use crate::identification::diagnosis::evidence::with_all;
+use crate::identification::diagnosis::evidence::{Looked, with_all};
 use crate::identification::diagnosis::plateaus::{self, Said};
-use crate::identification::diagnosis::search::Looked;
 use crate::identification::diagnosis::{Candidate, gates, rests, waits};
 use crate::identification::effects::{FEED_OVERRIDE, Hypothesis};
 use crate::machine::Machine;

@@ -1,0 +1,202 @@
+//! The acceptance tests that a candidate must pass to be named as a cause.
+//!
+//! | acceptance test | what must hold |
+//! |---|---|
+//! | likelihood | the cost falls by more than `MIN_COST_REDUCTION` + k ln n, n sections of the path, not samples |
+//! | held out | with the values that the others give a section is better, in most sections where it acts |
+//! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
+//! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts; a halt changes none |
+//! | chance | a wait at a word is longer or shorter than the cycles of a PLC make it from run to run |
+//! | size | it explains more than `MIN_EXPLAINED_SHARE` of the cycle time, `MIN_LOST_TIME_S` s, and `MAX_REMAINING_PART` of the time explained |
+//!
+//! Causes that these runs cannot separate from the next cause are alike to it: other effects, or the same effect of
+//! another axis, that fit as well, except perhaps at one place; or that fit nearly as well and have closer feedrates.
+
+use std::collections::BTreeSet;
+
+use crate::identification::diagnosis::cause::{AcceptedCause, UNSURE, odds};
+use crate::identification::diagnosis::evidence::{Looked, assumed, with_all};
+use crate::identification::diagnosis::gates::{self, HeldOut};
+use crate::identification::diagnosis::speeds::Speeds;
+use crate::identification::diagnosis::verdict::MAX_REMAINING_PART;
+use crate::identification::diagnosis::{Candidate, Evidence, MIN_LOST_TIME_S, regions, standing};
+use crate::identification::effects::{Hypothesis, MIN_EXPLAINED_SHARE, Nature, UNEQUAL_FILTERS};
+use crate::identification::fit::{Run, VariationScale};
+use crate::machine::Machine;
+
+/// Largest part of the time that the earlier causes explain which a further cause may cancel.
+const MAX_CANCELLED_PART: f64 = 0.5;
+/// Weight of the time that a cause adds in some places and saves in others, against its net time.
+const NETTED: f64 = 0.2;
+/// Least gain, as a part of the remaining cost, from which on a cause needs no shift test.
+const MIN_GAIN_WITHOUT_SHIFT_TEST: f64 = 0.5;
+/// Largest cost above that of the best candidate at which another is alike to it, in multiples of the dispersion: the
+/// ratio by which the residuals vary more than independent ones.
+const MAX_ALIKE_COST: f64 = 6.0;
+/// Least part of the gain of the better of two candidates that is outside a single place, if that place alone is not to
+/// separate them.
+const MIN_GAIN_SHARE_ELSEWHERE: f64 = 0.5;
+/// Largest part of the difference of their costs that then remains outside that place.
+const MAX_DIFFERENCE_SHARE_ELSEWHERE: f64 = 0.1;
+/// Largest difference of their costs, as a part of the gain of the better one, that feedrates which are closer with the
+/// other outweigh.
+const MAX_CONTRADICTED_SHARE: f64 = 0.1;
+/// Largest difference, as a ratio, between a setting and the believed one at which the setting counts as unchanged.
+/// Overrides and the clock ratio need no such range: their believed value is exactly 1.
+const MAX_UNCHANGED_RATIO: f64 = 6e-3;
+/// Half of the smallest step of an override switch, as a ratio.
+const HALF_A_STEP: f64 = 5e-3;
+
+/// Returns the cost of causes that were fitted together, plus their price.
+pub fn priced(runs: &[Run], together: &[&Candidate]) -> f64 {
+    together.first().map_or(0.0, |first| first.cost) + prices(runs, together.iter().copied())
+}
+
+/// Returns the sum of the prices of causes.
+pub fn prices<'a>(runs: &[Run], causes: impl Iterator<Item = &'a Candidate>) -> f64 {
+    causes.map(|candidate| price(runs, candidate)).sum()
+}
+
+/// Returns the price of a cause: that of its parameters and that of its rarity.
+fn price(runs: &[Run], candidate: &Candidate) -> f64 {
+    gates::price(runs, candidate.values.len()) + candidate.hypothesis.rarity
+}
+
+/// Returns a candidate as an accepted cause, with the causes named before it. `None` if it fails an acceptance test.
+/// `rest` holds the candidates that are not as good.
+pub fn passed(
+    base: &Machine,
+    before: &[Candidate],
+    looked: &Looked,
+    fine: &Evidence,
+    (candidate, others): (&Candidate, &[Candidate]),
+    rest: &[(Candidate, Vec<Candidate>)],
+) -> Option<(AcceptedCause, Vec<Candidate>)> {
+    let runs = looked.runs;
+    let current = &with_all(base, before);
+    let price = price(runs, candidate);
+    if fine.cost(current) - candidate.cost <= price {
+        return None;
+    }
+    // The noise once more, that of the refined one; else its last digits are those of the first guess.
+    let last = looked.evidence(&with_all(base, &together(candidate, others)));
+    let (candidate, others) = last.refined(base, candidate, others);
+    let gain = last.cost(current) - candidate.cost;
+    if gain <= price {
+        return None;
+    }
+    let with = with_all(base, &together(&candidate, &others));
+    let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
+    let explained = regions::moved(base, current, runs).0;
+    if weight(current, &with, runs)
+        < MIN_LOST_TIME_S.max(MIN_EXPLAINED_SHARE * whole).max(MAX_REMAINING_PART * explained.abs())
+    {
+        return None;
+    }
+    let further = regions::moved(current, &with, runs).0;
+    let plc_words = candidate.hypothesis.plc_words;
+    if 0 < plc_words {
+        let believed = candidate.hypothesis.freed[0].handle.get(current).unwrap_or(0.0);
+        if !gates::is_beyond_chance(candidate.values[0] - believed, further, plc_words) {
+            return None;
+        }
+    }
+    // Two that nearly cancel are one that was fitted to what the law of the other gets wrong.
+    if further * explained < 0.0 && MAX_CANCELLED_PART * explained.abs() < further.abs() {
+        return None;
+    }
+    if gain < MIN_GAIN_WITHOUT_SHIFT_TEST * candidate.cost && !gates::stays_in_place(&last, current, &with) {
+        return None;
+    }
+    let held_out = gates::held_out(&last, base, before, (&candidate, &others));
+    if held_out.as_ref().is_some_and(|held_out| !held_out.holds()) {
+        return None;
+    }
+    // The last digits of the others are those of the first guess, too.
+    let dispersion = last.dispersion(&with);
+    let is_alike = |(other, others): &&(Candidate, Vec<Candidate>)| {
+        let (other, others) = last.refined(base, other, others);
+        let apart = other.cost - candidate.cost;
+        if apart < MAX_ALIKE_COST * dispersion {
+            return true;
+        }
+        let rival = with_all(base, &together(&other, &others));
+        // Where the times prefer one and the feedrates the other, the error of the model decides.
+        if apart < MAX_CONTRADICTED_SHARE * gain && !Speeds::of(&rival, runs).are_kept(&with) {
+            return true;
+        }
+        // What tells two apart in a single place is how their laws begin or end there, which no model knows so well.
+        let rest = gates::without_worst(&last, &with, &rival);
+        let cost = rest.cost(&with);
+        let acts_elsewhere = || MIN_GAIN_SHARE_ELSEWHERE * gain < rest.cost(current) - cost;
+        let still_apart = || rest.refined(base, &other, &others).0.cost - cost;
+        acts_elsewhere()
+            && still_apart() < (MAX_ALIKE_COST * dispersion).min(MAX_DIFFERENCE_SHARE_ELSEWHERE * apart)
+    };
+    let alike: BTreeSet<String> = rest
+        .iter()
+        .filter(|(other, _)| other.hypothesis.is_rival_of(&candidate.hypothesis))
+        .filter(is_alike)
+        .map(|(other, _)| id_beside(&other.hypothesis, &candidate.hypothesis))
+        .collect();
+    let confidence = held_out.as_ref().map_or(1.0, HeldOut::share) / (1.0 + alike.len() as f64);
+    let found = AcceptedCause { candidate, alike: alike.into_iter().collect(), held_out, confidence };
+    (UNSURE <= confidence * odds(gain / dispersion, price)).then_some((found, others))
+}
+
+/// Returns the id of a rival of `named`, with its axis if both are of the same effect.
+fn id_beside(rival: &Hypothesis, named: &Hypothesis) -> String {
+    rival.effect.id_on(rival.axis().filter(|_| rival.effect == named.effect))
+}
+
+/// Returns the time that a cause explains, s: its net time, or [`NETTED`] of the sizes of all its changes if that is
+/// more.
+pub fn weight(without: &Machine, with: &Machine, runs: &[Run]) -> f64 {
+    let (seconds, moved) = regions::moved(without, with, runs);
+    seconds.abs().max(NETTED * moved)
+}
+
+pub fn together(candidate: &Candidate, others: &[Candidate]) -> Vec<Candidate> {
+    others.iter().chain([candidate]).cloned().collect()
+}
+
+/// Returns `true` if a setting has the value of the machine file, within the uncertainty of a calibration.
+pub fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
+    let hypothesis = &candidate.hypothesis;
+    let [freed] = &hypothesis.freed[..] else { return false };
+    // Filters of other lengths but the same delay are seen by the sum of their squares, which is that of a constant
+    // longer by the square of the spread, as a part of it.
+    if hypothesis.effect == UNEQUAL_FILTERS && candidate.values[0].powi(2) < MAX_UNCHANGED_RATIO {
+        return true;
+    }
+    let believed = freed.handle.get(machine).filter(|value| 0.0 < *value);
+    // Override switches have steps of a whole percent and more.
+    if hypothesis.effect.is_by_operator() && hypothesis.effect.nature == Nature::Switch {
+        return believed.is_some_and(|believed| (candidate.values[0] - believed).abs() < HALF_A_STEP);
+    }
+    hypothesis.effect.nature != Nature::Switch
+        && hypothesis.is_continuous
+        && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < MAX_UNCHANGED_RATIO)
+}
+
+/// Returns `true` if a limit is looser than the machine file says, and the file is more likely to be wrong than the machine
+/// to have changed: the calibration had to assume the limit, or it saw only other programs.
+pub fn is_looser_than_calibrated(candidate: &Candidate, machine: &Machine) -> bool {
+    let assumed = assumed(machine);
+    let is_every_limit = standing::is_elsewhere(machine) && candidate.hypothesis.is_limit();
+    candidate.hypothesis.freed.iter().zip(&candidate.values).any(|(freed, value)| {
+        let is_assumed = assumed.iter().any(|assumed| assumed.handle == freed.handle);
+        let believed = freed.handle.get(machine).filter(|_| is_assumed || is_every_limit);
+        believed.is_some_and(|believed| believed < *value)
+    })
+}
+
+/// Returns `true` if a value reached a bound: then another effect causes the lost time.
+pub fn is_at_bound(candidate: &Candidate) -> bool {
+    let of = candidate.hypothesis.freed.iter().zip(&candidate.values);
+    candidate.hypothesis.is_continuous
+        && of.filter(|(freed, _)| freed.scale == VariationScale::Ratio).any(|(freed, value)| {
+            let (low, high) = freed.bounds;
+            *value <= low * (1.0 + MAX_UNCHANGED_RATIO) || high * (1.0 - MAX_UNCHANGED_RATIO) <= *value
+        })
+}
