@@ -2,7 +2,6 @@
 // texts_later.js has the rest. What comes from Rust as text (labels, units, remarks, reports) is written there. docs/developing.md says how to translate them.
 
 /** A sentence with what is put in it; numbers come written already, or to choose a plural by. @typedef {(...values: unknown[]) => string} Sentence */
-
 /** What a computation is at. @typedef {keyof typeof say.stages} StageName */
 
 /** @satisfies {Record<string, Record<string, string | Sentence>>} */
@@ -102,9 +101,7 @@ export const say = {
     duplicate: 'Duplicate',
     loadFile: 'Load a machine file',
     load: 'Load machine.toml',
-    move: 'Filters from a recorded move',
-    moveTitle: 'The recording of one straight move from rest to rest, as CSV: it shows the number and time constants of the filters',
-    filtersOf: (name) => `Filters taken from ${name}.`,
+    move: 'Filters from a recorded straight move',
     resetPreset: 'Reset to preset',
     saveTitle: 'The machine file for the command line',
     kept: 'Kept in this browser.',

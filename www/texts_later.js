@@ -1,7 +1,6 @@
 // The texts that only what comes after the first chart says, with all the others: a first visit does without them.
 
 import { say as first } from './texts.js'
-
 /** @import { Sentence } from "./texts.js" */
 
 /** @satisfies {Record<string, Record<string, string | Sentence>>} */
@@ -138,7 +137,6 @@ export const say = {
     restStays: 'The program, the machine and all other recordings do not change.',
     comparing: 'Comparing …',
     interval: 'Time between two rows (s)',
-    readAgain: 'Read again',
     chooseProgram: 'choose',
     dropItsProgram: 'drop the program that was run',
     pairing: 'finding which program was run …',

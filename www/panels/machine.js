@@ -92,7 +92,7 @@ export function mount(root, form, actions) {
       fault.textContent = ''
       moved.textContent = worded(sentence)
       taken = values
-      undo.offer(say.machine.filtersOf(chosen.name), step)
+      undo.offer(`${say.machine.move}: ${chosen.name}`, step)
     } catch (reason) {
       moved.textContent = ''
       fault.textContent = reason instanceof Error ? reason.message : String(reason)

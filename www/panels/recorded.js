@@ -94,7 +94,7 @@ export function mount(root, actions) {
   /** The time between the rows of a recording whose file does not state it. @param {Recording} entry */
   function intervalForm({ id, interval }) {
     const input = make('input', { type: 'number', id: 'interval', min: '0', step: 'any', required: true, value: interval === null ? '' : String(interval) })
-    const form = make('form', { className: 'interval' }, make('label', { htmlFor: input.id }, say.recording.interval), input, make('button', { type: 'submit' }, say.recording.readAgain))
+    const form = make('form', { className: 'interval' }, make('label', { htmlFor: input.id }, say.recording.interval), input, make('button', { type: 'submit' }, say.diagnosis.useTried))
     form.addEventListener('submit', (event) => {
       event.preventDefault()
       actions.setInterval(id, input.valueAsNumber)
