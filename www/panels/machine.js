@@ -30,8 +30,8 @@ export function mount(root, form, actions) {
   const button = (/** @type {string} */ name) => /** @type {HTMLButtonElement} */ (find(root, name))
   const [reset, save, keep, duplicate, remove] = ['.reset', '.save', '.keep', '.duplicate', '.remove'].map(button)
   const file = /** @type {HTMLInputElement} */ (find(root, '#machine-file'))
-  const move = /** @type {HTMLInputElement} */ (find(root, '#machine-move'))
-  const moved = find(root, '.moved')
+  const move = make('input', { id: 'machine-move', type: 'file', className: 'away', accept: '.csv,.txt,.log,.gz,.zip,text/*' })
+  const moved = make('p', { className: 'moved', role: 'status' })
   const more = /** @type {HTMLDetailsElement} */ (find(root, 'details'))
   const search = /** @type {HTMLInputElement} */ (find(root, '.search input[type="search"]'))
   const onlySet = /** @type {HTMLInputElement} */ (find(root, '.search input[type="checkbox"]'))
@@ -39,6 +39,8 @@ export function mount(root, form, actions) {
   const fault = find(root, '.import-fault')
   const fields = form.fields.map((parameter) => field('field', parameter, actions.setParameter))
   const undo = mountUndo(find(root, '.undo'))
+  fault.after(moved)
+  find(root, 'label[for="machine-file"]').after(move, make('label', { className: 'button', htmlFor: move.id }, say.machine.move))
   /** @type {Values} */
   let values = {}
   /** Those with the filters of a recorded move. @type {Values | undefined} */
