@@ -101,9 +101,11 @@ function foundIn({ calibration, diagnosis, sample }) {
   }
 }
 
+/** @param {unknown} value */
+const numberOr = (value) => (typeof value === 'number' ? value : null)
+
 /** What belongs to a job, where it has the shape that it should. @param {any} found @returns {Pick<Kept, "job" | "fixture" | "letter" | "programs">} */
 function jobIn({ job, fixture, letter, programs }) {
-  const numberOr = (/** @type {unknown} */ value) => (typeof value === 'number' ? value : null)
   const own = (/** @type {any} */ one) => ({
     ...one,
     title: String(one.title ?? ''),
@@ -127,7 +129,8 @@ async function read(name, nothing) {
   const found = await answer(database.transaction(STORE).objectStore(STORE).get(name))
   database.close()
   if (!isKept(found)) return nothing
-  return { ...nothing, ...found, ...foundIn(found), ...jobIn({ ...found, programs: await inMemory(found.programs) }) }
+  const recordings = found.recordings.map((one) => ({ ...one, interval: numberOr(one.interval) }))
+  return { ...nothing, ...found, recordings, ...foundIn(found), ...jobIn({ ...found, programs: await inMemory(found.programs) }) }
 }
 
 /** Deletes what closed tabs have left behind. */

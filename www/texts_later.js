@@ -20,6 +20,7 @@ export const say = {
     before: 'Before',
     lines: 'Lines',
     showInCharts: 'Show it in the charts',
+    apply: 'Apply',
   },
   compare: {
     ...first.compare,
@@ -182,7 +183,6 @@ export const say = {
     takesAsLong: 'takes as long',
     asFound: (name, after, before) => `${name}: ${after} with the diagnosed machine, ${before} with the previous one.`,
     instead: (values, name, effect, time, other) => `With ${values}, ${name} ${effect}: ${time} instead of ${other}.`,
-    useTried: 'Apply',
     changes: 'The machine, and what if',
     after: 'After',
     whatIf: 'What if',

@@ -198,7 +198,7 @@ function recordedMove({ feedrate, length, constant, interval }) {
   return ['t_s,x_mm', ...rows].join('\n')
 }
 
-pageTest('one recorded move gives the filters, with undo, and what is no move says so', async ({ page }) => {
+pageTest('one recorded move gives the filters, with undo, and another recording is refused', async ({ page }) => {
   const before = await page.inputValue('#field-interpolator-time_constant_s')
   const give = (name, text) => page.setInputFiles('#machine-move', { name, mimeType: 'text/csv', buffer: Buffer.from(text) })
   await give('ramp.csv', recordedMove(MOVE))

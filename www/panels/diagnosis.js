@@ -194,7 +194,7 @@ export function mount(root, engine, form, actions) {
       })
       return [unit ? `${label} (${unit})` : label, worded(was), worded(after), number === null ? '' : input]
     })
-    const form = make('button', { type: 'button', className: 'try' }, say.diagnosis.useTried)
+    const form = make('button', { type: 'button', className: 'try' }, say.common.apply)
     form.addEventListener('click', () => actions.tryValues(tried))
     compute()
     const all = table(say.diagnosis.changes, ['', say.common.before, say.diagnosis.after, say.diagnosis.whatIf], rows)

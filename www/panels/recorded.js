@@ -94,7 +94,7 @@ export function mount(root, actions) {
   /** The time between the rows of a recording whose file does not state it. @param {Recording} entry */
   function intervalForm({ id, interval }) {
     const input = make('input', { type: 'number', id: 'interval', min: '0', step: 'any', required: true, value: interval === null ? '' : String(interval) })
-    const form = make('form', { className: 'interval' }, make('label', { htmlFor: input.id }, say.recording.interval), input, make('button', { type: 'submit' }, say.diagnosis.useTried))
+    const form = make('form', { className: 'interval' }, make('label', { htmlFor: input.id }, say.recording.interval), input, make('button', { type: 'submit' }, say.common.apply))
     form.addEventListener('submit', (event) => {
       event.preventDefault()
       actions.setInterval(id, input.valueAsNumber)
@@ -106,7 +106,7 @@ export function mount(root, actions) {
   function fill(entry) {
     const { match } = entry
     const { report, refusal, columns } = match ?? {}
-    const forms = refusal?.asks_interval || (entry.interval ?? null) !== null ? [intervalForm(entry)] : []
+    const forms = refusal?.asks_interval || entry.interval !== null ? [intervalForm(entry)] : []
     chosen.hidden = true
     view.hidden = !report
     tables.replaceChildren()

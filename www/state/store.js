@@ -122,15 +122,15 @@ function ownForm(machine) {
   return form
 }
 
-/** A recording with its comparison; with another program, or one read otherwise, there is none yet. @param {GivenRecording} recording @param {Recording | undefined} given @param {Document} now @returns {Recording} */
-function recordingOf({ id, name, bytes, program: chosen, used, interval }, given, { programs }) {
+/** A recording with its comparison; with another program, or one read otherwise, there is none yet. @param {GivenRecording} given @param {Recording | undefined} before @param {Document} now @returns {Recording} */
+function recordingOf({ id, name, bytes, program: chosen, used, interval }, before, { programs }) {
   // Read at another interval, it may be of another program.
-  const before = given?.interval === interval ? given : given && Object.assign(given, { found: null, match: null, failure: null })
-  const program = programFor(chosen, before, programs)
+  const same = before?.interval === interval ? before : undefined
+  const program = programFor(chosen, same, programs)
   const dialect = programs.find((one) => one.id === program)?.dialect
-  const isSame = before && before.program === program && before.dialect === dialect
-  const compared = isSame ? { match: before.match, failure: before.failure } : { match: null, failure: null }
-  return Object.assign(before ?? { found: null }, { id, name, bytes, chosen, program, used, interval, dialect, ...compared })
+  const isSame = same && same.program === program && same.dialect === dialect
+  const compared = isSame ? { match: same.match, failure: same.failure } : { match: null, failure: null }
+  return Object.assign(before ?? {}, { id, name, bytes, chosen, program, found: same?.found ?? null, used, interval, dialect, ...compared })
 }
 
 /** The form with what Rust says about it. @param {number} preset @param {Values} values @returns {MachineForm} */

@@ -30,8 +30,8 @@ const MAX_CANCELLED_PART: f64 = 0.5;
 const NETTED: f64 = 0.2;
 /// Least gain, as a part of the remaining cost, from which on a cause needs no shift test.
 const MIN_GAIN_WITHOUT_SHIFT_TEST: f64 = 0.5;
-/// Largest cost above that of the best candidate at which another is alike to it, in multiples of the dispersion: the
-/// ratio by which the residuals vary more than independent ones.
+/// Largest difference between the costs of two candidates that these runs cannot separate, in multiples of the
+/// dispersion of the residuals.
 const MAX_ALIKE_COST: f64 = 6.0;
 /// Least part of the gain of the better of two candidates that is outside a single place, if that place alone is not to
 /// separate them.
@@ -78,7 +78,7 @@ pub fn passed(
     if fine.cost(current) - candidate.cost <= price {
         return None;
     }
-    // The noise once more, that of the refined one; else its last digits are those of the first guess.
+    // The noise that the refined candidate leaves decides the last digits of its values, so it is fitted once more.
     let last = looked.evidence(&with_all(base, &together(candidate, others)));
     let (candidate, others) = last.refined(base, candidate, others);
     let gain = last.cost(current) - candidate.cost;
@@ -101,7 +101,7 @@ pub fn passed(
             return None;
         }
     }
-    // Two that nearly cancel are one that was fitted to what the law of the other gets wrong.
+    // A cause that nearly cancels the others was fitted to the error of their laws.
     if further * explained < 0.0 && MAX_CANCELLED_PART * explained.abs() < further.abs() {
         return None;
     }
@@ -112,7 +112,7 @@ pub fn passed(
     if held_out.as_ref().is_some_and(|held_out| !held_out.holds()) {
         return None;
     }
-    // The last digits of the others are those of the first guess, too.
+    // The other candidates are fitted once more for the same reason.
     let dispersion = last.dispersion(&with);
     let is_alike = |(other, others): &&(Candidate, Vec<Candidate>)| {
         let (other, others) = last.refined(base, other, others);

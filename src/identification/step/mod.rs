@@ -41,6 +41,8 @@ mod tests;
 pub use along::identify_move;
 pub use response::RecordedQuantity;
 
+use std::ops::Range;
+
 use crate::identification::step::misfit::{Minimum, minimise};
 use crate::identification::step::response::{Response, Shape};
 use crate::simulation::running_sum::running_sum;
@@ -244,7 +246,7 @@ pub fn identify(recording: &Recording) -> Outcome {
         return Outcome::NotASingleMove { unexplained: 1.0 };
     };
     let unexplained = move_.elsewhere(recording);
-    if unexplained.is_nan() || LARGEST_RESIDUAL < unexplained {
+    if !is_noise(unexplained) {
         return Outcome::NotASingleMove { unexplained };
     }
     let (times, values) = move_.cut(recording);
@@ -318,32 +320,32 @@ impl Move {
 
     /// Returns the samples of the move and of some rest around it.
     fn cut<'a>(&self, recording: &Recording<'a>) -> (&'a [f64], &'a [f64]) {
+        let used = self.used(recording);
+        (&recording.times[used.clone()], &recording.values[used])
+    }
+
+    /// Returns the indices of these samples.
+    fn used(&self, recording: &Recording) -> Range<usize> {
         let from = recording.times.partition_point(|&time| time < self.from);
-        let to = recording.times.partition_point(|&time| time <= self.to);
-        (&recording.times[from..to], &recording.values[from..to])
+        from..recording.times.partition_point(|&time| time <= self.to)
     }
 
     /// Returns by how much a recording differs from rest before and behind the samples that are used: the RMS of its
     /// feedrate as a part of the largest one, or twice that of its position as a part of the length.
     fn elsewhere(&self, recording: &Recording) -> f64 {
-        let Recording { times, values, quantity } = recording;
+        let Recording { values, quantity, .. } = recording;
         let (first, last) = (values[0], values[values.len() - 1]);
         let rests = match quantity {
             RecordedQuantity::Position => [first, last],
             RecordedQuantity::Feedrate => [0.0; 2],
         };
-        let from = times.partition_point(|&time| time < self.from);
-        let to = times.partition_point(|&time| time <= self.to);
-        let before = values[..from].iter().map(|value| value - rests[0]);
-        let behind = values[to..].iter().map(|value| value - rests[1]);
-        let outside = (from + values.len() - to).max(1) as f64;
+        let used = self.used(recording);
+        let before = values[..used.start].iter().map(|value| value - rests[0]);
+        let behind = values[used.end..].iter().map(|value| value - rests[1]);
+        let outside = (values.len() - used.len()).max(1) as f64;
         let rms = (before.chain(behind).map(|off| off * off).sum::<f64>() / outside).sqrt();
-        match quantity {
-            RecordedQuantity::Position => 2.0 * rms / (last - first).abs(),
-            RecordedQuantity::Feedrate => {
-                rms / values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
-            }
-        }
+        let fastest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        as_part(rms, *quantity, fastest, last - first)
     }
 }
 
@@ -384,11 +386,9 @@ fn conclude(minima: &[(Response, Minimum)], values: &[f64]) -> Outcome {
         .filter(|&other| other == first || !fits[other].filters.contains(fits[chosen].filters))
         .collect();
     let best = &fits[chosen];
-    let unexplained = match minima[chosen].0.quantity {
-        RecordedQuantity::Feedrate => best.residual_rms / best.feedrate.value.abs(),
-        RecordedQuantity::Position => 2.0 * best.residual_rms / best.length.value.abs(),
-    };
-    if unexplained.is_nan() || LARGEST_RESIDUAL < unexplained {
+    let quantity = minima[chosen].0.quantity;
+    let unexplained = as_part(best.residual_rms, quantity, best.feedrate.value, best.length.value);
+    if !is_noise(unexplained) {
         return Outcome::NotASingleMove { unexplained };
     }
     let needed = minima[chosen].0.parameters_on_ramps() + 1;
@@ -398,6 +398,20 @@ fn conclude(minima: &[(Response, Minimum)], values: &[f64]) -> Outcome {
     let converged = best.converged;
     let identification = Identification { chosen, rivals, effective_samples: fewest, fits };
     if converged { Outcome::Converged(identification) } else { Outcome::LostPatience(identification) }
+}
+
+/// Returns a root mean square of feedrates as a part of the feedrate of a move (mm/s), or twice that of positions as a
+/// part of its length (mm).
+fn as_part(rms: f64, quantity: RecordedQuantity, feedrate: f64, length: f64) -> f64 {
+    match quantity {
+        RecordedQuantity::Feedrate => rms / feedrate.abs(),
+        RecordedQuantity::Position => 2.0 * rms / length.abs(),
+    }
+}
+
+/// Returns `true` if this part of a move may be noise.
+fn is_noise(unexplained: f64) -> bool {
+    unexplained <= LARGEST_RESIDUAL
 }
 
 /// Returns the index of the lowest number.
