@@ -100,6 +100,32 @@ fn an_axis_that_never_ramps_has_the_acceleration_of_the_others_and_the_file_says
     assert_eq!(machine.calibrated_on.assumed_accelerations, [true, false, false]);
 }
 
+/// A slot cut in circles, far below the velocities of the axes, but LinuxCNC plans its corners by these.
+fn slot() -> String {
+    let turn = |at: u32| {
+        let x = 0.393 * f64::from(at);
+        format!("X{x:.3} F2590\nG3 Y11.238 I0 J11.238\nG1 Y-11.238 F2720\n")
+    };
+    let turns: String = (1..15).map(turn).collect();
+    format!("G21 G90 G64 P0.016\nG0 X0 Y0 Z8\nG0 Y-11.238\nZ1\nG1 Z-2.8 F400\n{turns}G0 Z8\nM30\n")
+}
+
+#[test]
+fn corners_that_are_planned_by_the_velocity_of_rapids_show_the_planner() {
+    let mut truth = truth();
+    for (axis, (acceleration, velocity)) in
+        truth.axes.iter_mut().zip([(2010.0, 60.0), (1420.0, 67.0), (2070.0, 68.0)])
+    {
+        (axis.acceleration, axis.velocity, axis.rapid) = (acceleration, velocity, velocity);
+    }
+    let machine = calibrated_on_run(&slot(), &truth);
+    assert!(!machine.has_filters(), "{:?}", machine.interpolator);
+    for (axis, letter) in [(0, 'X'), (1, 'Y'), (2, 'Z')] {
+        let ratio = machine.axes[axis].acceleration / truth.axes[axis].acceleration;
+        assert!((ratio - 1.0).abs() < 0.06, "{letter}: {ratio} of the true acceleration");
+    }
+}
+
 #[test]
 fn what_was_assumed_is_no_cause_of_another_program() {
     let machine = calibrated(&rows('Y'));

@@ -4,7 +4,7 @@
 //! of velocity at corners. Another model is taken if it is nearer by the margin of its kind (see the front file).
 
 use crate::identification::calibration::motion::{motion, spindle_ramp};
-use crate::identification::calibration::rapids::RapidPlateaus;
+use crate::identification::calibration::rapids::{RapidPlateaus, is_limited_as_rapids};
 use crate::identification::calibration::{
     BETTER_FAMILY, BETTER_STEPS, MIN_ORDER_COST_DROP, MIN_ORDER_COST_DROP_RATIO, ROUGH_COST_TOLERANCE, Share,
     assumed, at_own_noise, compared, families, polled, run_fit, set_order, steps, waits, whitened, with_laws,
@@ -84,7 +84,11 @@ impl<'a> Fitting<'a> {
         let order = model.order;
         for some in [&[0, 1, 2][..], &[0], &[1], &[2]] {
             let limits = |machine: &Machine, axis: usize| machine.axes[axis].velocity.is_finite();
-            let is_new = |axis: &usize| !limits(self.machine, *axis) && limits(&model.best.machine, *axis);
+            let is_new = |axis: &usize| {
+                !limits(self.machine, *axis)
+                    && limits(&model.best.machine, *axis)
+                    && !is_limited_as_rapids(&model.best.machine, *axis, self.plateaus)
+            };
             let new: Vec<usize> = some.iter().copied().filter(is_new).collect();
             if new.is_empty() {
                 continue;

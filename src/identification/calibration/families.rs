@@ -6,7 +6,7 @@
 //! or along the path, then of the value of its law of corners. Rapids are as fast as their plateaus (`rapids`).
 
 use crate::identification::calibration::nearest;
-use crate::identification::calibration::rapids::RapidPlateaus;
+use crate::identification::calibration::rapids::{RapidPlateaus, limit_feed_as_rapids};
 use crate::identification::effects::parameters::{JUNCTION_RATIOS, MAX_OVERRIDE, PLANNER_ACCELERATION};
 use crate::identification::fit::{Run, Whitening};
 use crate::machine::{Junction, Machine, Planner};
@@ -102,5 +102,9 @@ fn with_rapids(
         let is_free = family == Planner::SquareCorner;
         [by_axis].into_iter().chain(is_free.then_some(along_path)).collect::<Vec<_>>()
     };
-    plateaus.iter().flat_map(of).collect()
+    let limited = |mut found: Machine| {
+        limit_feed_as_rapids(&mut found, seen);
+        found
+    };
+    plateaus.iter().flat_map(of).map(limited).collect()
 }

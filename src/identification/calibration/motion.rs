@@ -9,9 +9,10 @@
 //! | steps of velocity | the step, slowing angle, wait for position, path acceleration |
 //!
 //! All families free the jerk along the path, the centripetal acceleration and the parameters of rapids, unless these
-//! have their neutral values. The value before the calibration is infinite if the machine had no such limit.
+//! have their neutral values. A velocity that limits feed and rapids of an axis alike is one parameter, the rapid rate.
+//! The value before the calibration is infinite if the machine had no such limit.
 
-use crate::identification::calibration::rapids::RapidPlateaus;
+use crate::identification::calibration::rapids::{RapidPlateaus, is_limited_as_rapids};
 use crate::identification::effects::parameters::{self, Adjustable};
 use crate::identification::fit::{FreeParameter, Run};
 use crate::machine::{FREE_BLEND_MM, Machine, TimeConstants};
@@ -47,7 +48,8 @@ pub fn motion(
                 all.push((parameter.calibrated_around(start, usual), own));
             }
         }
-        all.extend(parameters::AXIS_VELOCITY.into_iter().filter_map(limit));
+        let own = (0..3).filter(|axis| !is_limited_as_rapids(guess, *axis, plateaus));
+        all.extend(own.filter_map(|axis| limit(parameters::AXIS_VELOCITY[axis])));
     } else if let Some((own, start)) = constant(constants).zip(constant(&guess.interpolator.time_constants)) {
         all.push((parameters::TIME_CONSTANT.calibrated(start), own * as_order));
     }
@@ -101,10 +103,18 @@ fn rapid_rates(
         if start.is_finite() && plateaus.is_none_or(|seen| seen.axes[axis].is_some()) {
             // A machine file that has no rapids of axes has that of all of them.
             let own = before.axes[axis].rapid.min(before.rapid.feedrate);
-            all.push((parameter.calibrated_around(start, own), own));
+            let rapid = parameter.calibrated_around(start, own);
+            let is_one = is_limited_as_rapids(guess, axis, plateaus);
+            let rapid = if is_one { rapid.also(move |machine| limit_as_rapids(machine, axis)) } else { rapid };
+            all.push((rapid, own));
         }
     }
     all
+}
+
+/// Gives an axis the velocity of its rapids in feed moves, too.
+fn limit_as_rapids(machine: &mut Machine, axis: usize) {
+    machine.axes[axis].velocity = machine.axes[axis].rapid;
 }
 
 /// Returns the minimum cruise ratio, with its value in `before`; `None` if the family has none.

@@ -278,20 +278,33 @@ fn rates(rapids: &[Vector]) -> [Option<f64>; 3] {
 }
 
 /// Limits the axes to the rates of their rapids if the control has one velocity of an axis for feed and rapids
-/// alike: LinuxCNC's MAX_VELOCITY, grbl's $110. An axis that was programmed to cut faster keeps the limit that was
-/// fitted.
+/// alike: LinuxCNC's MAX_VELOCITY, grbl's $110. LinuxCNC plans corners by it, however slow the feed. An axis that was
+/// programmed to cut faster keeps the limit that was fitted.
 pub fn limit_feed_as_rapids(machine: &mut Machine, plateaus: Option<RapidPlateaus>) {
-    let junction = machine.interpolator.junction;
-    let is_of_axes = junction.blends_in_time() || matches!(junction, Junction::Deviation(_));
-    let Some(seen) = plateaus.filter(|_| is_of_axes && !machine.has_filters()) else { return };
-    if seen.axes == [None; 3] {
+    let Some(seen) = plateaus.filter(|seen| seen.axes != [None; 3] && has_one_velocity(machine)) else {
         return;
-    }
+    };
     for (axis, asked) in machine.axes.iter_mut().zip(seen.fastest_asked) {
         if asked <= axis.rapid {
             axis.velocity = axis.velocity.min(axis.rapid);
         }
     }
+}
+
+/// Returns `true` if the velocity of an axis is that of its rapids, as [`limit_feed_as_rapids`] makes it.
+pub fn is_limited_as_rapids(machine: &Machine, axis: usize, plateaus: Option<RapidPlateaus>) -> bool {
+    let own = &machine.axes[axis];
+    let is_slower = |seen: RapidPlateaus| seen.fastest_asked[axis] <= own.rapid;
+    has_one_velocity(machine)
+        && own.rapid.is_finite()
+        && own.velocity == own.rapid
+        && plateaus.is_some_and(is_slower)
+}
+
+/// Returns `true` if the control has one velocity of an axis for feed and rapids.
+fn has_one_velocity(machine: &Machine) -> bool {
+    let junction = machine.interpolator.junction;
+    !machine.has_filters() && (junction.blends_in_time() || matches!(junction, Junction::Deviation(_)))
 }
 
 /// Returns `true` for each axis of a planner whose rapid rate no run showed; `false` for filters, whose rapids are

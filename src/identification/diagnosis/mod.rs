@@ -53,7 +53,7 @@ use crate::identification::diagnosis::evidence::{Looked, with_all};
 use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::model_error::{
-    MAX_CHANGED_SETTINGS, is_of_machine, is_worth_a_search, without_story,
+    MAX_CHANGED_SETTINGS, OTHER_FAMILY, is_of_machine, is_other_family, is_worth_a_search, without_story,
 };
 use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::verdict::Left;
@@ -250,11 +250,12 @@ fn diagnose_as_it_is(
             crossed::crossed(machine, &with_all(&base, &drives.causes), &candidates(&in_time.named), runs)
         }
     };
+    let other_family = in_time.is_other_family.then(|| OTHER_FAMILY.to_string());
     progress(1.0);
     Diagnosis {
         verdict: left.verdict(&causes),
         is_of_form: left.is_of_form(&causes),
-        messages: left.message(&causes).into_iter().collect(),
+        messages: other_family.into_iter().chain(left.message(&causes)).collect(),
         left: (seconds, rest.into_iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()))),
         causes,
         accounts,
@@ -282,6 +283,8 @@ struct InTime {
     excerpts: Option<Vec<Vec<Excerpt>>>,
     /// Pulsation of the feedrate that the causes leave.
     pulsation: Option<Pulsation>,
+    /// `true` if a control of another family explains the runs better than that of a checked machine file.
+    is_other_family: bool,
 }
 
 impl InTime {
@@ -329,8 +332,9 @@ impl InTime {
             named.clear();
             pulsation = seen(&base);
         }
+        let is_other_family = Standing::of(start) != Standing::Unchecked && is_other_family(start, &named);
         let named = without_story(start, &base, runs, named);
-        InTime { named: weighed(&base, runs, named), read_off, excerpts, pulsation }
+        InTime { named: weighed(&base, runs, named), read_off, excerpts, pulsation, is_other_family }
     }
 
     fn is_empty(&self) -> bool {

@@ -17,6 +17,9 @@ use crate::machine::Machine;
 /// Maximum number of settings and limits of machine and control that may have changed at once.
 pub const MAX_CHANGED_SETTINGS: usize = 2;
 
+/// Message if the runs fit a control of another family than the machine file has.
+pub const OTHER_FAMILY: &str = "the recording fits a control that plans its ramps by accelerations better than the filters of the machine file: calibrate the machine again with this recording beside the former ones";
+
 /// The unexplained rest of runs on the machine that was calibrated on them: the error of the model itself, which is no
 /// cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -96,9 +99,16 @@ pub fn is_of_machine(candidate: &Candidate) -> bool {
     matches!(candidate.hypothesis.effect.nature, Nature::Limit | Nature::Setting)
 }
 
+/// Returns `true` if causes turn the control of a machine into one of another family: no change of a machine does that, so
+/// its file has the wrong family.
+pub fn is_other_family(start: &Machine, named: &[AcceptedCause]) -> bool {
+    start.has_filters() != with_all(start, &candidates(named)).has_filters()
+}
+
 /// Returns the causes without the limits and settings of machine and control, if these are not believable: if there are
-/// more of them than change at once ([`MAX_CHANGED_SETTINGS`]), or if much lost time remains beside them, as a part of something
-/// unknown has no name. All causes remain if the machine file was never checked.
+/// more of them than change at once ([`MAX_CHANGED_SETTINGS`]), if they make another control of it ([`is_other_family`]), or
+/// if much lost time remains beside them, as a part of something unknown has no name. All causes remain if the machine
+/// file was never checked.
 pub fn without_story(
     start: &Machine,
     base: &Machine,
@@ -111,7 +121,8 @@ pub fn without_story(
     let is_of_machine = |cause: &AcceptedCause| is_of_machine(&cause.candidate);
     let of_machine = named.iter().filter(|cause| is_of_machine(cause)).count();
     let with = || with_all(base, &candidates(&named));
-    if MAX_CHANGED_SETTINGS < of_machine || 0 < of_machine && leaves_much(start, &with(), runs, true) {
+    let is_story = MAX_CHANGED_SETTINGS < of_machine || is_other_family(start, &named);
+    if is_story || 0 < of_machine && leaves_much(start, &with(), runs, true) {
         named.retain(|cause| !is_of_machine(cause));
     }
     named
