@@ -105,7 +105,8 @@ fn rapid_rates(
             let own = before.axes[axis].rapid.min(before.rapid.feedrate);
             let rapid = parameter.calibrated_around(start, own);
             let is_one = is_limited_as_rapids(guess, axis, plateaus);
-            let rapid = if is_one { rapid.also(move |machine| limit_as_rapids(machine, axis)) } else { rapid };
+            let rapid =
+                if is_one { rapid.also(move |machine| limit_as_rapids(machine, axis)) } else { rapid };
             all.push((rapid, own));
         }
     }

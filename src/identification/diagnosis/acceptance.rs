@@ -145,7 +145,7 @@ pub fn passed(
 }
 
 /// Returns the id of a rival of `named`, with its axis if both are of the same effect.
-fn id_beside(rival: &Hypothesis, named: &Hypothesis) -> String {
+pub fn id_beside(rival: &Hypothesis, named: &Hypothesis) -> String {
     rival.effect.id_on(rival.axis().filter(|_| rival.effect == named.effect))
 }
 

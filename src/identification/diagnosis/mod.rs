@@ -22,6 +22,7 @@ mod evidence;
 mod excerpts;
 mod form;
 mod gates;
+mod in_time;
 mod model_error;
 mod places;
 mod plateaus;
@@ -47,14 +48,11 @@ pub use rests::feed_holds;
 
 use crate::identification::calibration::calibrate;
 use crate::identification::comparison::{Comparison, compare};
-use crate::identification::diagnosis::cause::{AcceptedCause, candidates};
-use crate::identification::diagnosis::confidence::weighed;
-use crate::identification::diagnosis::evidence::{Looked, with_all};
-use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
+use crate::identification::diagnosis::cause::candidates;
+use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::gates::HeldOut;
-use crate::identification::diagnosis::model_error::{
-    MAX_CHANGED_SETTINGS, OTHER_FAMILY, is_of_machine, is_other_family, is_worth_a_search, without_story,
-};
+use crate::identification::diagnosis::in_time::InTime;
+use crate::identification::diagnosis::model_error::{MAX_CHANGED_SETTINGS, OTHER_FAMILY, is_of_machine};
 use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::verdict::Left;
 use crate::identification::effects::{self, Effect, Hypothesis, library};
@@ -64,15 +62,9 @@ use crate::simulation::ordered::sort_by_number;
 
 /// Least lost time that a cause must explain, s; less may remain unexplained without a remark.
 const MIN_LOST_TIME_S: f64 = 0.015;
-/// Maximum number of rounds of the search for causes, each of which names the next one.
-const MAX_SEARCH_ROUNDS: usize = 4;
 /// Largest ratio of the lost time that remains after a calibration to that which remains without it; above it the
 /// calibration explains no more than the machine file.
 const MAX_CALIBRATED_LOST_RATIO: f64 = 0.5;
-/// Maximum number of rounds in which a named cause may give way to another.
-const MAX_RECONSIDERING_ROUNDS: usize = 2;
-/// Part of the progress of the search that falls to finding the causes, before they are reconsidered.
-const FINDING_PROGRESS_SHARE: f64 = 0.7;
 
 /// The result of a diagnosis in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -269,90 +261,6 @@ fn diagnose_as_it_is(
         form,
         held_out,
         not_excited,
-    }
-}
-
-/// The causes that leave time along the path.
-#[derive(Default)]
-struct InTime {
-    /// Causes that the recording shows directly, with the values read off it.
-    read_off: Vec<AcceptedCause>,
-    /// Causes whose values were fitted.
-    named: Vec<AcceptedCause>,
-    /// Excerpts of the runs in which the search looked for causes; `None` if no run is long.
-    excerpts: Option<Vec<Vec<Excerpt>>>,
-    /// Pulsation of the feedrate that the causes leave.
-    pulsation: Option<Pulsation>,
-    /// `true` if a control of another family explains the runs better than that of a checked machine file.
-    is_other_family: bool,
-}
-
-impl InTime {
-    /// Returns all causes of time that the search finds on a machine.
-    fn searched(
-        start: &Machine,
-        runs: &[Run],
-        library: &mut Vec<Hypothesis>,
-        progress: &mut dyn FnMut(f64),
-    ) -> InTime {
-        let excerpts = excerpts(runs);
-        let parts: Option<Vec<Run>> =
-            excerpts.as_ref().map(|excerpts| excerpts.iter().flatten().map(Excerpt::run).collect());
-        let looked =
-            Looked { runs: parts.as_deref().unwrap_or(runs), whole: runs, in_parts: parts.is_some() };
-        let (read_off, mut named) = read_off::read_off(start, &looked, library);
-        let base = with_all(start, &candidates(&read_off));
-        for round in 0..MAX_SEARCH_ROUNDS {
-            // What the model itself may be off by is looked no cause for: any would only imitate it.
-            if !is_worth_a_search(start, &with_all(&base, &candidates(&named)), runs, !named.is_empty()) {
-                break;
-            }
-            let mut progress =
-                |part| progress(FINDING_PROGRESS_SHARE * (round as f64 + part) / MAX_SEARCH_ROUNDS as f64);
-            let Some(all) = search::with_next(&base, &looked, library, &named, &mut progress) else { break };
-            named = all;
-        }
-        named = search::without_unnecessary(&base, &looked, named);
-        for round in 0..MAX_RECONSIDERING_ROUNDS {
-            let rounds = |part: f64| (round as f64 + part) / MAX_RECONSIDERING_ROUNDS as f64;
-            let mut progress =
-                |part| progress(FINDING_PROGRESS_SHARE + (1.0 - FINDING_PROGRESS_SHARE) * rounds(part));
-            let Some(all) = search::reconsidered(&base, &looked, library, &named, &mut progress) else {
-                break;
-            };
-            named = search::without_unnecessary(&base, &looked, all);
-        }
-        if looked.in_parts {
-            named = search::held(&base, runs, named);
-        }
-        // What a search finds beside a pace that pulsates, and goes on to, is a part of that.
-        let seen = |machine: &Machine| Pulsation::seen(&compared(machine, runs), runs);
-        let mut pulsation = seen(&with_all(&base, &candidates(&named)));
-        if pulsation.is_some_and(|with| seen(start).is_some_and(|before| before.is_as_fast(&with))) {
-            named.clear();
-            pulsation = seen(&base);
-        }
-        let is_other_family = Standing::of(start) != Standing::Unchecked && is_other_family(start, &named);
-        let named = without_story(start, &base, runs, named);
-        InTime { named: weighed(&base, runs, named), read_off, excerpts, pulsation, is_other_family }
-    }
-
-    fn is_empty(&self) -> bool {
-        self.read_off.is_empty() && self.named.is_empty()
-    }
-
-    /// Returns the causes in the order in which they act, each with the lines on which it acts beside the others.
-    fn causes(&self, start: &Machine, drives: &[Candidate], fitted: &Machine, runs: &[Run]) -> Vec<Cause> {
-        let all: Vec<&AcceptedCause> = self.read_off.iter().chain(&self.named).collect();
-        let cause = |at: usize| {
-            let others =
-                (0..all.len()).filter(|other| *other != at).map(|other| all[other].candidate.clone());
-            let without = with_all(&with_all(start, &others.collect::<Vec<_>>()), drives);
-            let lines = regions::acts_on(&without, fitted, runs);
-            let AcceptedCause { candidate, alike, held_out, confidence } = all[at].clone();
-            Cause { candidate, seconds: 0.0, form: 0.0, lines, confidence, alike, held_out }
-        };
-        (0..all.len()).map(cause).collect()
     }
 }
 

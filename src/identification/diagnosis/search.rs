@@ -68,6 +68,28 @@ pub fn with_next(
     })
 }
 
+/// Returns each cause that passes every test beside the named ones, with these fitted again, the best first.
+pub fn each_alone(
+    base: &Machine,
+    looked: &Looked,
+    library: &[Hypothesis],
+    named: &[AcceptedCause],
+) -> Vec<Vec<AcceptedCause>> {
+    let before = candidates(named);
+    let current = with_all(base, &before);
+    let coarse = looked.evidence(&current);
+    let hypotheses = open(&current, looked, &coarse, library, &before);
+    let good = screened(&current, &coarse, &hypotheses, &mut |_| {});
+    let Some(best) = good.first() else { return Vec::new() };
+    let fine = looked.evidence(&best.hypothesis.machine(&current, &best.values));
+    let refined = refined(base, &current, &fine, &good, &before);
+    let passing = refined.iter().filter_map(|(candidate, others)| {
+        let (found, others) = passed(base, &before, looked, &fine, (candidate, others), &[])?;
+        Some(with_refitted(named, others, found))
+    });
+    passing.collect()
+}
+
 /// Returns the named causes with the values fitted again, followed by the cause found.
 fn with_refitted(
     named: &[AcceptedCause],
