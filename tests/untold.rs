@@ -110,6 +110,35 @@ fn slot() -> String {
     format!("G21 G90 G64 P0.016\nG0 X0 Y0 Z8\nG0 Y-11.238\nZ1\nG1 Z-2.8 F400\n{turns}G0 Z8\nM30\n")
 }
 
+/// Rows of lines that turn by a tenth of a degree, in exact path mode.
+fn rows_in_exact_path_mode() -> String {
+    let line = |at: u32| {
+        let (x, y) = (2.0 * f64::from(at), 0.0022 * f64::from(at * (at - 1)));
+        format!("X{x:.4} Y{y:.4}\n")
+    };
+    let lines: String = (1..21).map(line).collect();
+    let row = format!("G0 X0 Y0\nG1\n{lines}");
+    format!("G21 G90 G61\nG0 X0 Y0 Z8\nG0 Z1\nG1 Z-1 F400\nF2400\n{}G0 Z8\nM30\n", row.repeat(6))
+}
+
+#[test]
+fn the_override_that_exact_path_mode_is_planned_for_is_no_cause() {
+    let mut truth = truth();
+    for axis in &mut truth.axes {
+        (axis.acceleration, axis.velocity, axis.rapid) = (1400.0, 67.0, 67.0);
+    }
+    let mut machine = calibrated_on_run(&slot(), &truth);
+    let [low, high] = [1.2, 2.0].map(|planned| {
+        machine.interpolator.max_override = planned;
+        simulate(&traced(&rows_in_exact_path_mode()), &machine).cycle_time()
+    });
+    assert!(0.1 < (low - high).abs(), "{low} s, {high} s: the program shows nothing of it");
+    (machine.interpolator.max_override, truth.interpolator.max_override) = (1.2, 2.0);
+    let diagnosis = diagnosed(&machine, &rows_in_exact_path_mode(), &truth);
+    assert!(diagnosis.causes.is_empty(), "{:?}", diagnosis.causes);
+    assert_eq!(diagnosis.verdict, Verdict::NothingMissing);
+}
+
 #[test]
 fn corners_that_are_planned_by_the_velocity_of_rapids_show_the_planner() {
     let mut truth = truth();

@@ -8,12 +8,16 @@
 //! slow for it, such as the centripetal acceleration on its arcs. The limit is raised to the velocity that the axis
 //! holds.
 //!
+//! At which tangents LinuxCNC stops in exact path mode (G61) depends on the feed override that it plans for, which blended
+//! corners do not show. A program in that mode shows it.
+//!
 //! Limits: a change of an assumed value after the calibration cannot be seen, nor a limit that was raised.
 
 use crate::identification::calibration::{RapidPlateaus, guesses};
 use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::evidence::{Evidence, assumed};
 use crate::identification::diagnosis::gates::price;
+use crate::identification::effects::parameters::MAX_OVERRIDE;
 use crate::identification::fit::{FTOL, FreeParameter, Run, fit};
 use crate::machine::Machine;
 
@@ -27,7 +31,9 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
     };
     let waits = assumed_waits(machine, runs);
     waits.iter().for_each(|wait| wait.apply(&mut raised, wait.start));
-    let count = assumed(machine).len() + exceeded + waits.len();
+    let is_exact_path = |run: &Run| run.toolpath.segments.iter().any(|segment| segment.exact_path);
+    let shows_override = machine.interpolator.junction.blends_in_time() && runs.iter().any(is_exact_path);
+    let count = assumed(machine).len() + exceeded + waits.len() + usize::from(shows_override);
     if count == 0 {
         return None;
     }
@@ -38,7 +44,13 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
         fit(machine, runs, &freed, &evidence.whitenings, FTOL, &mut |_| {}).machine
     };
     // At the noise that the first leaves: at that of what was assumed wrongly hardly anything is seen.
-    let found = fitted(&fitted(&raised));
+    let mut first = fitted(&raised);
+    if shows_override {
+        let evidence = Evidence::of(runs, &first);
+        let planned = std::iter::once(first.clone()).chain(MAX_OVERRIDE.guesses_on(&first));
+        first = planned.min_by(|a, b| evidence.cost(a).total_cmp(&evidence.cost(b))).unwrap_or(first);
+    }
+    let found = fitted(&first);
     let fine = Evidence::of(runs, &found);
     (price(runs, count) < fine.cost(machine) - fine.cost(&found)).then_some(found)
 }

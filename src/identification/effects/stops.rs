@@ -10,9 +10,9 @@ use crate::identification::effects::report::{
 };
 use crate::identification::effects::waits::StopKind;
 use crate::identification::fit::{FreeParameter, Run};
-use crate::machine::{InPosition, Junction, Machine};
+use crate::machine::{InPosition, Junction};
 use crate::simulation::ordered::sort_by_number;
-use crate::simulation::toolpath::{Motion, Stop, Toolpath};
+use crate::simulation::toolpath::{Motion, Segment, Stop, Toolpath};
 
 /// Least difference between the successive turn angles of corners for a stopping angle between them to be tried,
 /// rad.
@@ -39,17 +39,21 @@ pub fn exact_stops(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         all
     };
     let angle = parameters::EXACT_STOP_ANGLE.tried();
-    let exact_path = exact_path(effect, context.machine, angle.clone());
+    let exact_path = exact_path(effect, context, angle.clone());
     let stops = Hypothesis::single(effect, angle, trials, report).at_trials_only();
     [stops].into_iter().chain(exact_path).collect()
 }
 
 /// Returns the hypothesis of LinuxCNC's G61, which stops at corners by another law than its G61.1; `None` if the
-/// machine does not have LinuxCNC's junctions. At which tangents it stops depends on the largest override, which a
-/// calibration on blended corners does not show: each that a control may plan for is tried.
-fn exact_path(effect: Effect, machine: &Machine, angle: FreeParameter) -> Option<Hypothesis> {
-    let interpolator = &machine.interpolator;
-    if !matches!(interpolator.junction, Junction::AccelerationBlend | Junction::ParabolicBlend) {
+/// machine does not have LinuxCNC's junctions, or if the programs blend no feed moves. At which tangents it stops
+/// depends on the largest override, which a calibration on blended corners does not show: each that a control may plan
+/// for is tried.
+fn exact_path(effect: Effect, context: &Context, angle: FreeParameter) -> Option<Hypothesis> {
+    let interpolator = &context.machine.interpolator;
+    let is_blended = |segment: Segment| segment.motion != Motion::Rapid && !segment.exact_stop;
+    let has_blends = context.runs.iter().any(|run| run.toolpath.segments.iter().any(is_blended));
+    if !has_blends || !matches!(interpolator.junction, Junction::AccelerationBlend | Junction::ParabolicBlend)
+    {
         return None;
     }
     let largest = angle.bounds.1;
