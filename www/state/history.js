@@ -6,7 +6,7 @@
 /** @import { OfJob, OfOperation } from "../job/document.js" */
 
 /** A program as it was given, and what it is in the job. @typedef {{readonly id: number, readonly name: string, readonly file: Blob, readonly dialect: string | null} & Readonly<OfOperation>} GivenProgram */
-/** A recording as the user gave it. `program` is null if Truefeed finds it by what the recording holds, `interval` (s) is null if the file states its times. @typedef {{readonly id: number, readonly name: string, readonly bytes: Uint8Array, readonly program: number | null, readonly used: boolean, readonly interval: number | null}} GivenRecording */
+/** A recording that the user gave. `program` is null if Truefeed chooses the program by the content of the recording; `interval` (s) is null if the file states its times. @typedef {{readonly id: number, readonly name: string, readonly bytes: Uint8Array, readonly program: number | null, readonly used: boolean, readonly interval: number | null}} GivenRecording */
 
 /**
  * @typedef {object} DocumentOfPrograms

@@ -125,12 +125,12 @@ function ownForm(machine) {
 /** A recording with its comparison; with another program, or one read otherwise, there is none yet. @param {GivenRecording} given @param {Recording | undefined} before @param {Document} now @returns {Recording} */
 function recordingOf({ id, name, bytes, program: chosen, used, interval }, before, { programs }) {
   // Read at another interval, it may be of another program.
-  const same = before?.interval === interval ? before : undefined
-  const program = programFor(chosen, same, programs)
+  const previous = before?.interval === interval ? before : undefined
+  const program = programFor(chosen, previous, programs)
   const dialect = programs.find((one) => one.id === program)?.dialect
-  const isSame = same && same.program === program && same.dialect === dialect
-  const compared = isSame ? { match: same.match, failure: same.failure } : { match: null, failure: null }
-  return Object.assign(before ?? {}, { id, name, bytes, chosen, program, found: same?.found ?? null, used, interval, dialect, ...compared })
+  const isCompared = previous && previous.program === program && previous.dialect === dialect
+  const compared = isCompared ? { match: previous.match, failure: previous.failure } : { match: null, failure: null }
+  return Object.assign(before ?? {}, { id, name, bytes, chosen, program, found: previous?.found ?? null, used, interval, dialect, ...compared })
 }
 
 /** The form with what Rust says about it. @param {number} preset @param {Values} values @returns {MachineForm} */

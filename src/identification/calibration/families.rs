@@ -102,9 +102,7 @@ fn with_rapids(
         let is_free = family == Planner::SquareCorner;
         [by_axis].into_iter().chain(is_free.then_some(along_path)).collect::<Vec<_>>()
     };
-    let limited = |mut found: Machine| {
-        limit_feed_as_rapids(&mut found, seen);
-        found
-    };
-    plateaus.iter().flat_map(of).map(limited).collect()
+    let mut machines: Vec<Machine> = plateaus.iter().flat_map(of).collect();
+    machines.iter_mut().for_each(|machine| limit_feed_as_rapids(machine, seen));
+    machines
 }

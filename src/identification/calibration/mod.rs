@@ -234,7 +234,7 @@ fn whitened(machine: &Machine, runs: &[Run]) -> Vec<Whitening> {
 
 /// Returns the machine that is nearest to the runs, the first of those that are equally near; `None` if there are
 /// no machines.
-fn nearest(
+pub(crate) fn nearest(
     machines: impl IntoIterator<Item = Machine>,
     runs: &[Run],
     whitenings: &[Whitening],

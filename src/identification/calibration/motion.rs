@@ -103,19 +103,14 @@ fn rapid_rates(
         if start.is_finite() && plateaus.is_none_or(|seen| seen.axes[axis].is_some()) {
             // A machine file that has no rapids of axes has that of all of them.
             let own = before.axes[axis].rapid.min(before.rapid.feedrate);
-            let rapid = parameter.calibrated_around(start, own);
-            let is_one = is_limited_as_rapids(guess, axis, plateaus);
-            let rapid =
-                if is_one { rapid.also(move |machine| limit_as_rapids(machine, axis)) } else { rapid };
+            let mut rapid = parameter.calibrated_around(start, own);
+            if is_limited_as_rapids(guess, axis, plateaus) {
+                rapid = rapid.also(move |machine| machine.axes[axis].velocity = machine.axes[axis].rapid);
+            }
             all.push((rapid, own));
         }
     }
     all
-}
-
-/// Gives an axis the velocity of its rapids in feed moves, too.
-fn limit_as_rapids(machine: &mut Machine, axis: usize) {
-    machine.axes[axis].velocity = machine.axes[axis].rapid;
 }
 
 /// Returns the minimum cruise ratio, with its value in `before`; `None` if the family has none.

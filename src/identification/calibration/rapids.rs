@@ -281,7 +281,7 @@ fn rates(rapids: &[Vector]) -> [Option<f64>; 3] {
 /// alike: LinuxCNC's MAX_VELOCITY, grbl's $110. LinuxCNC plans corners by it, however slow the feed. An axis that was
 /// programmed to cut faster keeps the limit that was fitted.
 pub fn limit_feed_as_rapids(machine: &mut Machine, plateaus: Option<RapidPlateaus>) {
-    let Some(seen) = plateaus.filter(|seen| seen.axes != [None; 3] && has_one_velocity(machine)) else {
+    let Some(seen) = plateaus.filter(|seen| seen.axes != [None; 3] && limits_rapids_as_feed(machine)) else {
         return;
     };
     for (axis, asked) in machine.axes.iter_mut().zip(seen.fastest_asked) {
@@ -295,14 +295,14 @@ pub fn limit_feed_as_rapids(machine: &mut Machine, plateaus: Option<RapidPlateau
 pub fn is_limited_as_rapids(machine: &Machine, axis: usize, plateaus: Option<RapidPlateaus>) -> bool {
     let own = &machine.axes[axis];
     let is_slower = |seen: RapidPlateaus| seen.fastest_asked[axis] <= own.rapid;
-    has_one_velocity(machine)
+    limits_rapids_as_feed(machine)
         && own.rapid.is_finite()
         && own.velocity == own.rapid
         && plateaus.is_some_and(is_slower)
 }
 
 /// Returns `true` if the control has one velocity of an axis for feed and rapids.
-fn has_one_velocity(machine: &Machine) -> bool {
+fn limits_rapids_as_feed(machine: &Machine) -> bool {
     let junction = machine.interpolator.junction;
     !machine.has_filters() && (junction.blends_in_time() || matches!(junction, Junction::Deviation(_)))
 }

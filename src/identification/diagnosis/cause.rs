@@ -21,6 +21,13 @@ impl AcceptedCause {
     pub fn read_off(candidate: Candidate, confidence: f64) -> AcceptedCause {
         AcceptedCause { candidate, alike: Vec::new(), held_out: None, confidence }
     }
+
+    /// Adds the id of an effect that fits the runs as well. All effects that do share the confidence.
+    pub fn add_alike(&mut self, id: String) {
+        let count = 1.0 + self.alike.len() as f64;
+        self.confidence *= count / (count + 1.0);
+        self.alike.push(id);
+    }
 }
 
 /// Returns the candidates of the causes.

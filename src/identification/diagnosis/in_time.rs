@@ -1,9 +1,9 @@
 //! The search for the causes that leave time along the path, from those that the recordings show directly to the review
 //! of those that were found before the others were known.
 //!
-//! Of two limits that slow the same places the times may prefer one that leaves more of them unexplained, place by place,
-//! than the other, since the law of neither is exact. If a single limit or setting leaves too much lost time, another one
-//! that passes every test and leaves little is named in its place, and the first one is alike to it.
+//! No law is exact, so of two limits that slow the same places the one that fits the times better may leave more lost time,
+//! added up place by place. If a single limit or setting leaves too much, the search names another one that passes every
+//! test and leaves little, and counts the first one as alike.
 
 use crate::identification::diagnosis::acceptance::id_beside;
 use crate::identification::diagnosis::cause::{AcceptedCause, candidates};
@@ -37,7 +37,7 @@ pub struct InTime {
     pub excerpts: Option<Vec<Vec<Excerpt>>>,
     /// Pulsation of the feedrate that the causes leave.
     pub pulsation: Option<Pulsation>,
-    /// `true` if a control of another family explains the runs better than that of a checked machine file.
+    /// `true` if a checked machine file has the wrong family of controls: another family explains the runs better.
     pub is_other_family: bool,
 }
 
@@ -66,7 +66,10 @@ impl InTime {
             pulsation = seen(&base);
         }
         let is_other_family = Standing::of(start) != Standing::Unchecked && is_other_family(start, &named);
-        let named = search.believable(library, named);
+        let named = match is_other_family {
+            true => without_story(start, &base, runs, named),
+            false => search.believable(library, named),
+        };
         InTime { named: weighed(&base, runs, named), read_off, excerpts, pulsation, is_other_family }
     }
 
@@ -113,7 +116,7 @@ impl CauseSearch<'_> {
         let CauseSearch { start, base, looked, first, progress } = self;
         let (runs, mut named) = (looked.whole, first.to_vec());
         for round in 0..MAX_SEARCH_ROUNDS {
-            // What the model itself may be off by is looked no cause for: any would only imitate it.
+            // A cause of lost time within the error of the model would only imitate that error.
             if !is_worth_a_search(start, &with_all(base, &candidates(&named)), runs, !named.is_empty()) {
                 break;
             }
@@ -138,30 +141,29 @@ impl CauseSearch<'_> {
         named
     }
 
-    /// Returns the causes that are believable. If a single limit or setting leaves too much lost time, another one in its
-    /// place that leaves little, with the first one as alike.
+    /// Returns the causes that are believable. If a single limit or setting leaves too much lost time and another one
+    /// leaves little, returns the other one in its place, with the first one as alike.
     fn believable(&self, library: &[Hypothesis], named: Vec<AcceptedCause>) -> Vec<AcceptedCause> {
         let CauseSearch { start, base, looked, first, .. } = *self;
         let story = |named: &[AcceptedCause]| without_story(start, base, looked.whole, named.to_vec());
         let believed = story(&named);
         let [dropped] = &named[first.len().min(named.len())..] else { return believed };
-        if believed.len() == named.len() || is_other_family(start, &named) {
+        if believed.len() == named.len() {
             return believed;
         }
         let dropped = &dropped.candidate.hypothesis;
         let frees = |other: &Hypothesis| other.freed.first().map(|freed| freed.handle);
         let rest: Vec<Hypothesis> =
             library.iter().filter(|other| frees(other) != frees(dropped)).cloned().collect();
-        let others = search::each_alone(base, looked, &rest, first);
-        let is_believable = |other: &Vec<AcceptedCause>| {
+        let is_believable = |other: &[AcceptedCause]| {
             let is_of_machine = other.last().is_some_and(|cause| is_of_machine(&cause.candidate));
             is_of_machine && story(other).len() == other.len()
         };
-        let Some(mut other) = others.into_iter().find(is_believable) else { return believed };
+        let Some(mut other) = search::with_believable(base, looked, &rest, first, is_believable) else {
+            return believed;
+        };
         if let Some(cause) = other.last_mut() {
-            let before = 1.0 + cause.alike.len() as f64;
-            cause.confidence *= before / (before + 1.0);
-            cause.alike.push(id_beside(dropped, &cause.candidate.hypothesis));
+            cause.add_alike(id_beside(dropped, &cause.candidate.hypothesis));
         }
         other
     }

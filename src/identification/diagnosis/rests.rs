@@ -42,7 +42,7 @@ use crate::identification::effects::{FEED_HOLD, Hypothesis, LINE, Reported, SECO
 use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::{Handle, Machine};
 use crate::simulation::feed::FeedPlan;
-use crate::simulation::feed::limits::{acceleration, requested_feedrate};
+use crate::simulation::feed::limits::{TANGENTIAL_ACCELERATION_SHARE, acceleration, requested_feedrate};
 use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Motion, Segment, Segments, Stop, Toolpath};
 
@@ -194,12 +194,13 @@ fn add(found: &mut Vec<Rest>, rest: Rest) {
 }
 
 /// Returns the longest time in which a machine comes to rest from a feed move of a run, s: a ramp at the acceleration
-/// limit, and the filter delay. On the arc by which LinuxCNC blends two blocks, half of the acceleration of the weakest
-/// axis is left along the path.
+/// limit, and the filter delay. On the arc that blends two blocks, LinuxCNC brakes with half of the acceleration of its
+/// weakest axis.
 pub fn stopping_time(run: &Run, machine: &Machine, plan: &FeedPlan) -> f64 {
     let feeds = run.toolpath.segments.iter().filter(|segment| segment.motion != Motion::Rapid);
     let weakest = machine.axes.iter().map(|axis| axis.acceleration).fold(f64::INFINITY, f64::min);
-    let on_blend = if machine.interpolator.junction.blends_in_time() { 0.5 * weakest } else { f64::INFINITY };
+    let has_blends = machine.interpolator.junction.blends_in_time();
+    let on_blend = if has_blends { TANGENTIAL_ACCELERATION_SHARE * weakest } else { f64::INFINITY };
     let braking = |segment: &Segment| acceleration(segment, machine).min(on_blend);
     let ramps = feeds.map(|segment| requested_feedrate(&segment, machine) / braking(&segment));
     plan.longest_delay() + ramps.fold(0.0, f64::max)

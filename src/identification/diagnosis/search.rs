@@ -40,14 +40,8 @@ pub fn with_next(
     progress: &mut dyn FnMut(f64),
 ) -> Option<Vec<AcceptedCause>> {
     let before = candidates(named);
-    let current = with_all(base, &before);
-    let coarse = looked.evidence(&current);
-    let hypotheses = open(&current, looked, &coarse, library, &before);
-    let good = screened(&current, &coarse, &hypotheses, &mut |part| progress(0.7 * part));
-    let best = good.first()?;
-    // At the noise that the best leaves the good ones are told apart.
-    let fine = looked.evidence(&best.hypothesis.machine(&current, &best.values));
-    let mut refined = refined(base, &current, &fine, &good, &before);
+    let Prospects { fine, mut refined } =
+        Prospects::of(base, looked, library, &before, &mut |part| progress(0.7 * part))?;
     progress(0.85);
     let partner = if named.is_empty() { put_best_of_pairs_first(base, &fine, &mut refined) } else { None };
     progress(0.95);
@@ -68,26 +62,50 @@ pub fn with_next(
     })
 }
 
-/// Returns each cause that passes every test beside the named ones, with these fitted again, the best first.
-pub fn each_alone(
+/// Returns the named causes followed by the best one that passes every test beside them and is `believable` with them, all
+/// fitted again. `None` if there is no such cause.
+pub fn with_believable(
     base: &Machine,
     looked: &Looked,
     library: &[Hypothesis],
     named: &[AcceptedCause],
-) -> Vec<Vec<AcceptedCause>> {
+    believable: impl Fn(&[AcceptedCause]) -> bool,
+) -> Option<Vec<AcceptedCause>> {
     let before = candidates(named);
-    let current = with_all(base, &before);
-    let coarse = looked.evidence(&current);
-    let hypotheses = open(&current, looked, &coarse, library, &before);
-    let good = screened(&current, &coarse, &hypotheses, &mut |_| {});
-    let Some(best) = good.first() else { return Vec::new() };
-    let fine = looked.evidence(&best.hypothesis.machine(&current, &best.values));
-    let refined = refined(base, &current, &fine, &good, &before);
-    let passing = refined.iter().filter_map(|(candidate, others)| {
+    let Prospects { fine, refined } = Prospects::of(base, looked, library, &before, &mut |_| {})?;
+    let mut passing = refined.iter().filter_map(|(candidate, others)| {
         let (found, others) = passed(base, &before, looked, &fine, (candidate, others), &[])?;
         Some(with_refitted(named, others, found))
     });
-    passing.collect()
+    passing.find(|all| believable(all))
+}
+
+/// The candidates from which the next cause is chosen.
+struct Prospects<'a> {
+    /// The evidence at the noise that the best candidate leaves, which tells the good ones apart.
+    fine: Evidence<'a>,
+    /// The good candidates, refined, each with the named causes beside it, as [`refined`] sorts them.
+    refined: Vec<(Candidate, Vec<Candidate>)>,
+}
+
+impl<'a> Prospects<'a> {
+    /// Returns the prospects of a library beside the named causes; `None` if no hypothesis has a trial.
+    fn of(
+        base: &Machine,
+        looked: &Looked<'a>,
+        library: &[Hypothesis],
+        named: &[Candidate],
+        progress: &mut dyn FnMut(f64),
+    ) -> Option<Prospects<'a>> {
+        let current = with_all(base, named);
+        let coarse = looked.evidence(&current);
+        let hypotheses = open(&current, looked, &coarse, library, named);
+        let good = screened(&current, &coarse, &hypotheses, progress);
+        let best = good.first()?;
+        let fine = looked.evidence(&best.hypothesis.machine(&current, &best.values));
+        let refined = refined(base, &current, &fine, &good, named);
+        Some(Prospects { fine, refined })
+    }
 }
 
 /// Returns the named causes with the values fitted again, followed by the cause found.

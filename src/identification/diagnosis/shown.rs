@@ -8,12 +8,12 @@
 //! slow for it, such as the centripetal acceleration on its arcs. The limit is raised to the velocity that the axis
 //! holds.
 //!
-//! At which tangents LinuxCNC stops in exact path mode (G61) depends on the feed override that it plans for, which blended
-//! corners do not show. A program in that mode shows it.
+//! The feed override that LinuxCNC plans for decides at which tangents it stops in exact path mode (G61). Blended corners
+//! do not show this override; a program in exact path mode does.
 //!
 //! Limits: a change of an assumed value after the calibration cannot be seen, nor a limit that was raised.
 
-use crate::identification::calibration::{RapidPlateaus, guesses};
+use crate::identification::calibration::{RapidPlateaus, guesses, nearest};
 use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::evidence::{Evidence, assumed};
 use crate::identification::diagnosis::gates::price;
@@ -46,9 +46,8 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
     // At the noise that the first leaves: at that of what was assumed wrongly hardly anything is seen.
     let mut first = fitted(&raised);
     if shows_override {
-        let evidence = Evidence::of(runs, &first);
-        let planned = std::iter::once(first.clone()).chain(MAX_OVERRIDE.guesses_on(&first));
-        first = planned.min_by(|a, b| evidence.cost(a).total_cmp(&evidence.cost(b))).unwrap_or(first);
+        let planned = [first.clone()].into_iter().chain(MAX_OVERRIDE.guesses_on(&first));
+        first = nearest(planned, runs, &Evidence::of(runs, &first).whitenings).unwrap_or(first);
     }
     let found = fitted(&first);
     let fine = Evidence::of(runs, &found);

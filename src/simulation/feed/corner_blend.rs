@@ -58,7 +58,7 @@
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::blend::{Blend, Leg};
 use crate::simulation::feed::junction;
-use crate::simulation::feed::limits::{self, NORMAL_ACCELERATION_SHARE};
+use crate::simulation::feed::limits::{self, NORMAL_ACCELERATION_SHARE, TANGENTIAL_ACCELERATION_SHARE};
 use crate::simulation::toolpath::{Arc, Curve, Segment, Vector};
 
 /// Largest distance between circle and corner, as a part of the shorter leg.
@@ -244,7 +244,7 @@ impl<'a> Corner<'a> {
             fastest,
             distances: contact.distances,
             shortening: if 0.0 < legs { radius * contact.turn / legs } else { 1.0 },
-            acceleration: 0.5 * whole,
+            acceleration: TANGENTIAL_ACCELERATION_SHARE * whole,
             taken: 0.0,
             parabola_within: None,
         })

@@ -172,7 +172,9 @@ pub fn blended_acceleration(segment: &Segment, machine: &Machine) -> f64 {
     along.min(weaker_of_plane(arc, machine, |axis| axis.acceleration))
 }
 
-/// Share of the acceleration that may turn the motion while a share of ½ remains along the path, √3/2 (LinuxCNC).
+/// Share of the acceleration that remains along the path where the motion turns (LinuxCNC).
+pub const TANGENTIAL_ACCELERATION_SHARE: f64 = 0.5;
+/// Share of the acceleration that may turn the motion beside [`TANGENTIAL_ACCELERATION_SHARE`], √3/2 (LinuxCNC).
 pub const NORMAL_ACCELERATION_SHARE: f64 = 0.866_025_403_784_438_6;
 
 /// Returns the feedrate along an arc that leaves half the `acceleration` (mm/s²) for ramps, mm/s; infinite along a line,
