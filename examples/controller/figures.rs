@@ -51,7 +51,9 @@ pub fn results(answers: &Value, cases: Vec<Value>, transfers: Vec<Value>) -> Val
     let right = |case: &&Value| is(case, "outcome", "first") || is(case, "outcome", "later");
     let found: Vec<&Value> = cases.iter().filter(right).collect();
     let extra = |case: &&&Value| named(case).any(|cause| cause["right"] == false);
-    let own = |own: bool| transfers.iter().filter(move |transfer| transfer["own"] == own);
+    let by = |own: bool, probed: bool| {
+        transfers.iter().filter(move |one| one["own"] == own && (one["probed"] == true) == probed)
+    };
     let seconds = |role: &'static str| -> Vec<f64> {
         cases
             .iter()
@@ -80,10 +82,15 @@ pub fn results(answers: &Value, cases: Vec<Value>, transfers: Vec<Value>) -> Val
         "sure": sureness(&cases),
         "by_kind": by_kind(&cases),
         "by_program_kind": by_program_kind(&cases, &transfers),
-        "transfer": errors(own(false), "error"),
-        "range": ranges(own(false)),
-        "transfer_of_preset": errors(own(true), "error_of_preset"),
-        "own": errors(own(true), "error"),
+        "transfer": errors(by(false, false), "error"),
+        "range": ranges(by(false, false)),
+        "transfer_of_preset": errors(by(true, false), "error_of_preset"),
+        "own": errors(by(true, false), "error"),
+        "probed_with_a_name": count("probed", "named"),
+        "probed_unknown": count("probed", "unknown"),
+        "probed_refused": count("probed", "refused"),
+        "transfer_of_probe": errors(by(false, true), "error"),
+        "range_of_probe": ranges(by(false, true)),
         "seconds_of_clean": { "median": median(seconds("clean")), "worst": largest(&seconds("clean")) },
         "seconds_of_change": { "median": median(seconds("change")), "worst": largest(&seconds("change")) },
         "cases": cases,
@@ -109,7 +116,7 @@ fn ranges<'a>(transfers: impl Iterator<Item = &'a Value>) -> Value {
 fn sureness(cases: &[Value]) -> Value {
     let judged: Vec<(f64, bool)> = cases
         .iter()
-        .filter(|case| !is(case, "role", "other"))
+        .filter(|case| !is(case, "role", "other") && !is(case, "role", "probed"))
         .flat_map(named)
         .filter_map(|cause| Some((cause["confidence"].as_f64()?, cause["right"] == true)))
         .collect();
@@ -152,7 +159,7 @@ fn by_program_kind(cases: &[Value], transfers: &[Value]) -> Value {
         let of = |role: &'static str| {
             cases.iter().filter(move |case| is(case, "role", role) && is(case, "program_kind", kind))
         };
-        let there = transfers.iter().filter(|transfer| is(transfer, "program_kind", kind));
+        let there = transfers.iter().filter(|one| is(one, "program_kind", kind) && one["probed"] != true);
         let (own, others): (Vec<&Value>, Vec<&Value>) = there.partition(|transfer| transfer["own"] == true);
         json!({
             "kind": kind,
@@ -216,6 +223,7 @@ pub fn page(results: &Value) -> String {
         ("cycle time of the program calibrated on", "own"),
         ("cycle time of another program of the machine", "transfer"),
         ("cycle time by the preset", "transfer_of_preset"),
+        ("cycle time by the calibration on the probe", "transfer_of_probe"),
     ] {
         let part = &results[key];
         let figure =
@@ -224,6 +232,11 @@ pub fn page(results: &Value) -> String {
     }
     row("cycle times of another program within the range stated", rate_words(&results["range"]["held"]));
     row("half of that range, median", percent(&results["range"]["median_half_width"]));
+    row("cycle times by the probe within the range stated", rate_words(&results["range_of_probe"]["held"]));
+    row("half of that range, median", percent(&results["range_of_probe"]["median_half_width"]));
+    row("clean runs by the probe in which a cause is named", rate_words(&results["probed_with_a_name"]));
+    row("clean runs by the probe called unknown", rate_words(&results["probed_unknown"]));
+    row("clean runs by the probe refused", rate_words(&results["probed_refused"]));
     for (what, key) in [("clean run", "seconds_of_clean"), ("change", "seconds_of_change")] {
         let part = |name: &str| results[key][name].as_f64().unwrap_or(0.0);
         row(

@@ -2,7 +2,8 @@
 //!
 //! Each machine is calibrated on the clean run of one program, from a preset and nothing else. With that machine file
 //! the clean run itself is diagnosed, and so are the runs with a change and the clean runs of the other programs of the
-//! same machine, whose cycle times are predicted too.
+//! same machine, whose cycle times are predicted too. Where the project's probe was recorded on a machine, it is calibrated
+//! on that as well, and every program of the machine is diagnosed and predicted with it.
 //!
 //! What can be seen is laid down here, before anything is run: a change counts as visible where it changes the time of
 //! the run by [`VISIBLE_SHARE`] and [`VISIBLE_S`], or bends the recorded path by [`VISIBLE_MM`].
@@ -36,10 +37,29 @@ pub struct Bench {
     pub jobs: usize,
 }
 
+impl Bench {
+    /// The machine file as a user has it before any calibration. Only that a tool is changed in no time is told: this
+    /// simulation has no changer, and a program without a change could not show it.
+    pub fn begin_with(&self) -> Result<String, Refusal> {
+        if let Some(file) = &self.preset {
+            return Ok(std::fs::read_to_string(file)?);
+        }
+        let all = presets();
+        let of = |word: &str| all.iter().find(|preset| preset.machine.name.contains(word));
+        let preset =
+            of("LinuxCNC").or_else(|| of("mid-range")).ok_or("the project has no preset to begin with")?;
+        let mut machine = preset.machine.clone();
+        machine.times.tool_change = 0.0;
+        Ok(toml_from_machine(&machine))
+    }
+}
+
 /// One diagnosis that is asked for.
 struct Trial<'a> {
     /// The program whose clean run the machine file is calibrated on.
     of: &'a str,
+    /// Whether that program is the probe.
+    is_probed: bool,
     /// The program that was run.
     program: &'a Value,
     /// The recording of it.
@@ -54,19 +74,21 @@ pub fn score(bench: &Bench, folder: &Path, reports: &Path) -> Result<(), Refusal
     let programs = answers["programs"].as_array().ok_or("the answers name no programs")?;
     let preset = reports.join("preset.toml");
     std::fs::create_dir_all(reports)?;
-    std::fs::write(&preset, begin_with(bench)?)?;
+    std::fs::write(&preset, bench.begin_with()?)?;
     let refused: Mutex<Vec<Value>> = Mutex::new(Vec::new());
-    side_by_side(bench.jobs, programs.len(), |number| {
-        let said = calibrate(bench, folder, reports, &preset, name(&programs[number]))?;
+    let probes = answers["probes"].as_array().map_or(&[][..], Vec::as_slice);
+    let sources: Vec<&Value> = programs.iter().chain(probes).collect();
+    side_by_side(bench.jobs, sources.len(), |number| {
+        let said = calibrate(bench, folder, reports, &preset, name(sources[number]))?;
         if said["report"].is_null() {
-            let why = json!({ "program": programs[number]["name"], "refused": said["refused"] });
+            let why = json!({ "program": sources[number]["name"], "refused": said["refused"] });
             refused.lock().map_err(|_| "a thread panicked")?.push(why);
         }
         Ok(())
     })?;
     let refused = refused.into_inner().map_err(|_| "a thread panicked")?;
     let calibrated = |program: &Value| !refused.iter().any(|one| one["program"] == program["name"]);
-    let trials = trials(programs, &calibrated);
+    let trials = trials(programs, &sources, &calibrated);
     let cases: Mutex<Vec<(usize, Value)>> = Mutex::new(Vec::new());
     side_by_side(bench.jobs, trials.len(), |number| {
         let case = case(bench, folder, reports, &trials[number])?;
@@ -77,9 +99,9 @@ pub fn score(bench: &Bench, folder: &Path, reports: &Path) -> Result<(), Refusal
     let mut cases = cases.into_inner().map_err(|_| "a thread panicked")?;
     cases.sort_by_key(|(number, _)| *number);
     let cases: Vec<Value> = cases.into_iter().map(|(_, case)| case).collect();
-    let transfers = transfers(bench, folder, reports, &preset, programs, &calibrated)?;
+    let transfers = transfers(bench, folder, reports, programs, &sources, &calibrated)?;
     let mut results = figures::results(&answers, cases, transfers);
-    results["calibrations"] = json!({ "of": programs.len(), "refused": refused });
+    results["calibrations"] = json!({ "of": sources.len(), "refused": refused });
     let version = std::process::Command::new(&bench.truefeed).arg("--version").output()?;
     results["truefeed"] = json!(String::from_utf8_lossy(&version.stdout).trim());
     std::fs::write(reports.join("results.json"), serde_json::to_string_pretty(&results)?)?;
@@ -89,23 +111,12 @@ pub fn score(bench: &Bench, folder: &Path, reports: &Path) -> Result<(), Refusal
     Ok(())
 }
 
-fn name(program: &Value) -> &str {
-    program["name"].as_str().unwrap_or_default()
+fn is_probe(program: &Value) -> bool {
+    program["kind"] == "probe"
 }
 
-/// The machine file as a user has it before any calibration. Only that a tool is changed in no time is told: this
-/// simulation has no changer, and a program without a change could not show it.
-fn begin_with(bench: &Bench) -> Result<String, Refusal> {
-    if let Some(file) = &bench.preset {
-        return Ok(std::fs::read_to_string(file)?);
-    }
-    let all = presets();
-    let of = |word: &str| all.iter().find(|preset| preset.machine.name.contains(word));
-    let preset =
-        of("LinuxCNC").or_else(|| of("mid-range")).ok_or("the project has no preset to begin with")?;
-    let mut machine = preset.machine.clone();
-    machine.times.tool_change = 0.0;
-    Ok(toml_from_machine(&machine))
+fn name(program: &Value) -> &str {
+    program["name"].as_str().unwrap_or_default()
 }
 
 /// The machine file calibrated on the clean run of a program; the preset where that is refused.
@@ -143,16 +154,20 @@ fn text(path: &Path) -> String {
 
 /// Every clean run and every change with the machine file of its program, and the clean runs of the other programs
 /// of its machine, unless the calibration was refused.
-fn trials<'a>(programs: &'a [Value], calibrated: &dyn Fn(&Value) -> bool) -> Vec<Trial<'a>> {
+fn trials<'a>(
+    programs: &'a [Value],
+    sources: &[&'a Value],
+    calibrated: &dyn Fn(&Value) -> bool,
+) -> Vec<Trial<'a>> {
     let mut trials = Vec::new();
-    for program in programs {
-        let of = name(program);
-        let clean = |program| Trial { of, program, file: "clean.csv.gz".into(), change: None };
+    for &program in sources {
+        let (of, is_probed) = (name(program), is_probe(program));
+        let clean = |program| Trial { of, is_probed, program, file: "clean.csv.gz".into(), change: None };
         trials.push(clean(program));
         for change in program["changes"].as_array().into_iter().flatten() {
             if change["refused"].is_null() {
                 let file = change["file"].as_str().unwrap_or_default().to_string();
-                trials.push(Trial { of, program, file, change: Some(change) });
+                trials.push(Trial { of, is_probed, program, file, change: Some(change) });
             }
         }
         if calibrated(program) {
@@ -182,6 +197,7 @@ fn case(bench: &Bench, folder: &Path, reports: &Path, trial: &Trial) -> Result<V
     let role = match (trial.change, ran == trial.of) {
         (Some(_), _) => "change",
         (None, true) => "clean",
+        (None, false) if trial.is_probed => "probed",
         (None, false) => "other",
     };
     let mut case = judged(&said, trial.change);
@@ -248,8 +264,8 @@ fn transfers(
     bench: &Bench,
     folder: &Path,
     reports: &Path,
-    preset: &Path,
     programs: &[Value],
+    sources: &[&Value],
     calibrated: &dyn Fn(&Value) -> bool,
 ) -> Result<Vec<Value>, Refusal> {
     let mut all = Vec::new();
@@ -266,13 +282,16 @@ fn transfers(
                 run["range"]["percent"].as_f64().map_or(Value::Null, |percent| json!(percent / 100.0)),
             ))
         };
-        let (before, _) = predicted(preset, reports.join(ran).join("predict-preset.json"))?;
-        for of in others(programs, program).chain([program]).filter(|of| calibrated(of)).map(name) {
+        let (before, _) =
+            predicted(&reports.join("preset.toml"), reports.join(ran).join("predict-preset.json"))?;
+        let is_of_machine = |of: &&&Value| of["machine"] == program["machine"] && calibrated(of);
+        for source in sources.iter().filter(is_of_machine) {
+            let of = name(source);
             let place = reports.join(of);
             let kept = place.join(format!("predict-{ran}.json"));
             let (after, range) = predicted(&place.join("machine.toml"), kept)?;
             all.push(json!({ "program": ran, "program_kind": program["kind"], "calibrated_on": of,
-                             "own": of == ran, "error": after, "range": range, "error_of_preset": before }));
+                             "own": of == ran, "probed": is_probe(source), "error": after, "range": range, "error_of_preset": before }));
         }
     }
     Ok(all)

@@ -8,11 +8,12 @@
 //! ```text
 //! cargo run --release --example controller -- record --seed 1 --programs 12 --changes 3 --out DIR
 //!     [--kinds backlash,servo_lag --recorder ../shared/recorders/linuxcnc/record.py --jobs 2 --nice 10]
+//! cargo run --release --example controller -- probe DIR [--preset M.toml --recorder … --jobs 2]
 //! cargo run --release --example controller -- score DIR --out REPORTS
 //!     [--truefeed target/release/truefeed --preset M.toml --jobs 2]
 //! ```
 //!
-//! `score` keeps the report of each case in REPORTS and passes over those it finds there, so that a run that was cut
+//! `probe` records the project's probe on each machine of DIR as well; `score` then calibrates on it, too. `score` keeps the report of each case in REPORTS and passes over those it finds there, so that a run that was cut
 //! off goes on where it was; another folder begins anew.
 
 mod changes;
@@ -27,6 +28,7 @@ mod jobs;
 mod kinds;
 mod machine;
 mod names;
+mod probes;
 #[allow(dead_code, reason = "the stand-in draws more from it")]
 #[path = "../standin/random.rs"]
 mod random;
@@ -99,8 +101,9 @@ fn run() -> Result<(), Refusal> {
     let command = words.first().and_then(|word| word.to_str()).unwrap_or_default();
     match (command, out, &words[words.len().min(1)..]) {
         ("record", Some(folder), []) => factory::record(&order, &folder),
+        ("probe", None, [folder]) => probes::record(&bench, &order.recorder, folder),
         ("score", Some(reports), [folder]) => judge::score(&bench, folder, &reports),
-        _ => Err("say `record --out DIR` or `score DIR --out REPORTS`".into()),
+        _ => Err("say `record --out DIR`, `probe DIR` or `score DIR --out REPORTS`".into()),
     }
 }
 
