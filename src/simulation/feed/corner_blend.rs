@@ -51,9 +51,12 @@
 //! corner, and its legs still lose a tenth of their acceleration. After G61.1 the motion stops at every
 //! corner, and the legs keep their whole acceleration.
 //!
+//! **Last arc**: an arc between its corners has the part √(1 − (V²/(r a))²) of its acceleration a, but only ½ if a
+//! function that waits or the end of the program follows it, since no further move is queued.
+//!
 //! Limits: between two arcs the circle touches their tangents. Source: LinuxCNC 2.9, src/emc/tp
 //! (blendmath.c: blendComputeParameters, blendParamKinematics; tp.c: tpSetupTangent, tpComputeBlendVelocity,
-//! tpChooseBestBlend), and recordings of it.
+//! tpChooseBestBlend; tc.c: tcFinalizeLength), and recordings of it.
 
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::blend::{Blend, Leg};

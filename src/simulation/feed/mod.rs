@@ -383,12 +383,17 @@ fn turns_may_stop(machine: &Machine) -> bool {
 /// Returns `true` if the path mode causes the stop before segment `next`, so that the stop is known in
 /// advance; `false` at the end of the program and at a function that waits.
 fn is_stopped_by_mode(toolpath: &Toolpath, next: usize, machine: &Machine) -> bool {
-    let waits = toolpath.stops.binary_search_by_key(&next, |stop| stop.after).is_ok();
     let before = toolpath.segments.at(next - 1);
     before.exact_stop
         || machine.interpolator.junction == Junction::ExactPath
         || stops_at_every_end(machine)
-        || (!waits && next < toolpath.segments.len() && stands_before(&toolpath.segments, next, machine))
+        || (!is_end_of_queue(toolpath, next) && stands_before(&toolpath.segments, next, machine))
+}
+
+/// Returns `true` if the control has no move behind segment `next − 1` while that moves: a function waits for its end,
+/// or the program ends.
+fn is_end_of_queue(toolpath: &Toolpath, next: usize) -> bool {
+    toolpath.segments.len() <= next || toolpath.stops.binary_search_by_key(&next, |stop| stop.after).is_ok()
 }
 
 /// Returns the angle by which the path turns between two segments, rad.

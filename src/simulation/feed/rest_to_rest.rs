@@ -27,8 +27,8 @@ use crate::simulation::feed::junction::{self, CornerTurn};
 use crate::simulation::feed::ramp::Ramp;
 use crate::simulation::feed::smoothing;
 use crate::simulation::feed::{
-    CornerPolicy, FeedPlan, Phase, Pulse, Pulses, RestToRest, SegmentTolerance, is_stopped_by_mode, limits,
-    positioning, stands_before, turns_may_stop,
+    CornerPolicy, FeedPlan, Phase, Pulse, Pulses, RestToRest, SegmentTolerance, is_end_of_queue,
+    is_stopped_by_mode, limits, positioning, stands_before, turns_may_stop,
 };
 use crate::simulation::filter::FilterChain;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Toolpath, Vector};
@@ -191,8 +191,17 @@ impl SegmentLimits {
             }
             feedrates.extend(repeat_n(feedrate, end - index));
         }
-        if is_blended && !is_stopped_by_mode(toolpath, end, machine) {
-            *accelerations.last_mut().expect("a motion has a segment") *= 0.5;
+        if is_blended {
+            let last = accelerations.last_mut().expect("a motion has a segment");
+            let segment = segments.at(end - 1);
+            // LinuxCNC finds the share that an arc's turn leaves only once the next move is queued (tcFinalizeLength).
+            if is_end_of_queue(toolpath, end) && segment.curve != Curve::Line {
+                *last =
+                    limits::TANGENTIAL_ACCELERATION_SHARE * limits::blended_acceleration(&segment, machine);
+            }
+            if !is_stopped_by_mode(toolpath, end, machine) {
+                *last *= 0.5;
+            }
         }
         SegmentLimits { end, accelerations, first: first.unwrap_or(0.0), largest }
     }
