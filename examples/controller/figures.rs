@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use serde_json::{Value, json};
+use truefeed::quote::UnshownFeature;
 
 use crate::interval::clopper_pearson;
 
@@ -91,11 +92,21 @@ pub fn results(answers: &Value, cases: Vec<Value>, transfers: Vec<Value>) -> Val
         "probed_refused": count("probed", "refused"),
         "transfer_of_probe": errors(by(false, true), "error"),
         "range_of_probe": ranges(by(false, true)),
+        "transfer_of_shown_words": errors(by(false, false).filter(shows_words), "error"),
+        "range_of_shown_words": ranges(by(false, false).filter(shows_words)),
+        "transfer_of_probe_of_shown_words": errors(by(false, true).filter(shows_words), "error"),
+        "range_of_probe_of_shown_words": ranges(by(false, true).filter(shows_words)),
         "seconds_of_clean": { "median": median(seconds("clean")), "worst": largest(&seconds("clean")) },
         "seconds_of_change": { "median": median(seconds("change")), "worst": largest(&seconds("change")) },
         "cases": cases,
         "transfers": transfers,
     })
+}
+
+/// Returns `true` if the calibration showed every M word of the program: it knows nothing of the time of another one.
+fn shows_words(transfer: &&Value) -> bool {
+    let mut unshown = transfer["unshown"].as_array().into_iter().flatten();
+    !unshown.any(|one| one["what"] == UnshownFeature::MWords.words())
 }
 
 /// The median and the largest of relative errors, and how many there are.
@@ -221,19 +232,30 @@ pub fn page(results: &Value) -> String {
     row("right ones with a false cause beside", rate_words(&results["false_second_causes"]));
     for (what, key) in [
         ("cycle time of the program calibrated on", "own"),
-        ("cycle time of another program of the machine", "transfer"),
         ("cycle time by the preset", "transfer_of_preset"),
-        ("cycle time by the calibration on the probe", "transfer_of_probe"),
     ] {
         let part = &results[key];
         let figure =
             format!("{}, worst {}, of {}", percent(&part["median"]), percent(&part["worst"]), part["of"]);
         row(&format!("{what}, median error"), figure);
     }
-    row("cycle times of another program within the range stated", rate_words(&results["range"]["held"]));
-    row("half of that range, median", percent(&results["range"]["median_half_width"]));
-    row("cycle times by the probe within the range stated", rate_words(&results["range_of_probe"]["held"]));
-    row("half of that range, median", percent(&results["range_of_probe"]["median_half_width"]));
+    for (of, transfer, range) in [
+        ("another program", "transfer", "range"),
+        ("another program, its M words shown", "transfer_of_shown_words", "range_of_shown_words"),
+        ("the probe", "transfer_of_probe", "range_of_probe"),
+        ("the probe, the M words shown", "transfer_of_probe_of_shown_words", "range_of_probe_of_shown_words"),
+    ] {
+        let (errors, ranges) = (&results[transfer], &results[range]);
+        let figure = format!(
+            "{}, worst {}, of {}",
+            percent(&errors["median"]),
+            percent(&errors["worst"]),
+            errors["of"]
+        );
+        row(&format!("cycle times by {of}, median error"), figure);
+        row(&format!("cycle times by {of} within the range stated"), rate_words(&ranges["held"]));
+        row("half of that range, median", percent(&ranges["median_half_width"]));
+    }
     row("clean runs by the probe in which a cause is named", rate_words(&results["probed_with_a_name"]));
     row("clean runs by the probe called unknown", rate_words(&results["probed_unknown"]));
     row("clean runs by the probe refused", rate_words(&results["probed_refused"]));

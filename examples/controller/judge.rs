@@ -38,8 +38,8 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// The machine file as a user has it before any calibration. Only that a tool is changed in no time is told: this
-    /// simulation has no changer, and a program without a change could not show it.
+    /// Returns the machine file that a user begins with, before any calibration. A preset is told that a tool change
+    /// takes no time: this simulation has no changer, and a program without a change could not show it.
     pub fn begin_with(&self) -> Result<String, Refusal> {
         if let Some(file) = &self.preset {
             return Ok(std::fs::read_to_string(file)?);
@@ -276,11 +276,7 @@ fn transfers(
         let predicted = |machine: &Path, kept: PathBuf| -> Result<(Option<f64>, Value), Refusal> {
             let said = ask(&bench.truefeed, &["predict", &path, "--machine", &text(machine)], &kept)?;
             let run = &said["report"]["runs"][0];
-            let error = run["cycle_time_s"].as_f64().map(|time| time / recorded - 1.0);
-            Ok((
-                error,
-                run["range"]["percent"].as_f64().map_or(Value::Null, |percent| json!(percent / 100.0)),
-            ))
+            Ok((run["cycle_time_s"].as_f64().map(|time| time / recorded - 1.0), run["range"].clone()))
         };
         let (before, _) =
             predicted(&reports.join("preset.toml"), reports.join(ran).join("predict-preset.json"))?;
@@ -290,8 +286,9 @@ fn transfers(
             let place = reports.join(of);
             let kept = place.join(format!("predict-{ran}.json"));
             let (after, range) = predicted(&place.join("machine.toml"), kept)?;
+            let half = range["percent"].as_f64().map(|percent| percent / 100.0);
             all.push(json!({ "program": ran, "program_kind": program["kind"], "calibrated_on": of,
-                             "own": of == ran, "probed": is_probe(source), "error": after, "range": range, "error_of_preset": before }));
+                             "own": of == ran, "probed": is_probe(source), "error": after, "range": half, "unshown": range["unshown"], "error_of_preset": before }));
         }
     }
     Ok(all)

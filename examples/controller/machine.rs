@@ -38,6 +38,12 @@ impl Limits {
         options
     }
 
+    /// Returns the limits that [`Limits::to_json`] wrote.
+    pub fn from_json(json: &Value) -> Limits {
+        let of = |key: &str| std::array::from_fn(|axis| json[key][axis].as_f64().unwrap_or(f64::NAN));
+        Limits { acceleration: of("acceleration_mm_s2"), velocity: of("velocity_mm_s") }
+    }
+
     pub fn to_json(&self) -> Value {
         json!({ "acceleration_mm_s2": self.acceleration, "velocity_mm_s": self.velocity })
     }

@@ -8,7 +8,7 @@ use std::process::Command;
 use serde_json::{Value, json};
 
 use crate::judge::Bench;
-use crate::machine::AXES;
+use crate::machine::Limits;
 use crate::recorder::{Outcome, Recorder};
 use crate::trace::Scale;
 use crate::{Refusal, side_by_side};
@@ -33,7 +33,12 @@ pub fn record(bench: &Bench, recorder: &Recorder, folder: &Path) -> Result<(), R
         let place = folder.join(&name);
         std::fs::create_dir_all(&place)?;
         std::fs::copy(&program, place.join("program.ngc"))?;
-        let run = match recorder.record(&program, &place.join("raw.csv.gz"), EVERY, &options(limits))? {
+        let run = match recorder.record(
+            &program,
+            &place.join("raw.csv.gz"),
+            EVERY,
+            &Limits::from_json(limits).options(),
+        )? {
             Outcome::Recorded(run) => run,
             Outcome::Refused(why) => return Err(format!("{name}: {why}").into()),
         };
@@ -58,14 +63,4 @@ fn write(bench: &Bench, folder: &Path, program: &Path) -> Result<(), Refusal> {
     let mut command = Command::new(&bench.truefeed);
     let status = command.arg("probe").arg("--machine").arg(&preset).arg("--out").arg(program).status()?;
     if status.success() { Ok(()) } else { Err(format!("truefeed probe ended with {status}").into()) }
-}
-
-/// The options by which the recorder declares these limits.
-fn options(limits: &Value) -> Vec<String> {
-    let of = |short: &str, key: &str| -> Vec<String> {
-        let each = AXES.iter().enumerate();
-        each.flat_map(|(axis, letter)| [format!("--{short}-{letter}"), limits[key][axis].to_string()])
-            .collect()
-    };
-    [of("acc", "acceleration_mm_s2"), of("vel", "velocity_mm_s")].concat()
 }
