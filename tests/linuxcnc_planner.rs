@@ -77,6 +77,22 @@ fn an_arc_that_is_last_in_the_queue_starts_and_stops_with_half_of_its_accelerati
     }
 }
 
+/// An arc that is last in the queue has the feedrate that its whole acceleration allows, whatever blends into it: 70 mm/s
+/// around 13 mm at 610 mm/s² in the recording, where half of the acceleration would allow 58.6.
+#[test]
+fn an_arc_that_is_last_in_the_queue_has_the_feedrate_of_its_whole_acceleration() {
+    let mut machine = planner();
+    machine.axes.iter_mut().for_each(|axis| (axis.acceleration, axis.velocity) = (610.0, 96.0));
+    let (mode, circle) = ("G21 G64 P0.03", "G3 X0 Y0 I-13 J0 F4200");
+    let alone = time(&format!("{mode}\n{circle}\nG4 P0"), &machine);
+    let expected = 26.0 * PI / 70.0 + 70.0 / 152.5;
+    assert!((alone - expected).abs() < WITHIN_S, "{alone} s, {expected} s");
+    // The circle speeds up while the leg before it brakes.
+    let leg = 3.0 / 15.0 + 15.0 / 305.0;
+    let behind = time(&format!("{mode}\nG1 Z-3 F900\n{circle}\nG4 P0"), &machine);
+    assert!(behind < leg + expected, "{behind} s, {leg} s + {expected} s");
+}
+
 /// An exact-stop angle of 0 is G61.1: a stop at the end of every block, where the path goes straight on as well.
 #[test]
 fn an_angle_of_nothing_stops_where_nothing_turns() {

@@ -52,7 +52,8 @@
 //! corner, and the legs keep their whole acceleration.
 //!
 //! **Last arc**: an arc between its corners has the part √(1 − (V²/(r a))²) of its acceleration a, but only ½ if a
-//! function that waits or the end of the program follows it, since no further move is queued.
+//! function that waits or the end of the program follows it, since no further move is queued. Its feedrate is then
+//! the one that its whole acceleration allows, whatever its corners take.
 //!
 //! Limits: between two arcs the circle touches their tangents. Source: LinuxCNC 2.9, src/emc/tp
 //! (blendmath.c: blendComputeParameters, blendParamKinematics; tp.c: tpSetupTangent, tpComputeBlendVelocity,
@@ -84,7 +85,7 @@ const MAX_PLANE_TILT_SINE: f64 = 1e-4;
 const MAX_OPPOSITE_ONE_PLUS_COSINE: f64 =
     (2.0 * std::f64::consts::PI / 180.0) * (2.0 * std::f64::consts::PI / 180.0);
 /// Part of the acceleration of each leg that a parabola uses.
-const PARABOLA_SHARE: f64 = 0.5;
+pub const PARABOLA_SHARE: f64 = 0.5;
 
 /// Least acceleration along a parabola, as a part of the legs' acceleration.
 const MIN_ACCELERATION_RATIO: f64 = 1e-3;
@@ -140,6 +141,12 @@ pub fn parabola(sides: [CornerSide; 2], machine: &Machine, tolerance: f64, lengt
 pub fn shared(segment: &Segment, leg: Leg, machine: &Machine) -> Leg {
     let (acceleration, feedrate) = halved(segment, machine);
     Leg { acceleration: leg.acceleration.min(acceleration), feedrate: leg.feedrate.min(feedrate), ..leg }
+}
+
+/// Returns the acceleration along an arc behind which no move is queued, mm/s²; half as much if a parabola takes a part.
+pub fn unqueued_acceleration(segment: &Segment, has_parabola: bool, machine: &Machine) -> f64 {
+    let part = if has_parabola { PARABOLA_SHARE } else { 1.0 };
+    part * TANGENTIAL_ACCELERATION_SHARE * limits::blended_acceleration(segment, machine)
 }
 
 /// Returns half of the acceleration of a segment, mm/s², and the largest feedrate that this acceleration

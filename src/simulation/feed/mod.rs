@@ -70,7 +70,7 @@ use crate::simulation::feed::rest_to_rest::add_rest_to_rest;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::running_sum::running_sum;
-use crate::simulation::toolpath::{Motion, Segment, Segments, Stop, StopCause, Toolpath};
+use crate::simulation::toolpath::{Curve, Motion, Segment, Segments, Stop, StopCause, Toolpath};
 
 /// A piece of command along one segment, linear in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -394,6 +394,12 @@ fn is_stopped_by_mode(toolpath: &Toolpath, next: usize, machine: &Machine) -> bo
 /// or the program ends.
 fn is_end_of_queue(toolpath: &Toolpath, next: usize) -> bool {
     toolpath.segments.len() <= next || toolpath.stops.binary_search_by_key(&next, |stop| stop.after).is_ok()
+}
+
+/// Returns `true` for an arc behind which no move is queued: LinuxCNC finds the feedrate and the acceleration that the
+/// turn and the corners of an arc leave only once the next move comes (tcFinalizeLength).
+fn is_unqueued_arc(toolpath: &Toolpath, index: usize) -> bool {
+    *toolpath.segments.curve(index) != Curve::Line && is_end_of_queue(toolpath, index + 1)
 }
 
 /// Returns the angle by which the path turns between two segments, rad.

@@ -27,8 +27,8 @@ use crate::simulation::feed::junction::{self, CornerTurn};
 use crate::simulation::feed::ramp::Ramp;
 use crate::simulation::feed::smoothing;
 use crate::simulation::feed::{
-    CornerPolicy, FeedPlan, Phase, Pulse, Pulses, RestToRest, SegmentTolerance, is_end_of_queue,
-    is_stopped_by_mode, limits, positioning, stands_before, turns_may_stop,
+    CornerPolicy, FeedPlan, Phase, Pulse, Pulses, RestToRest, SegmentTolerance, is_stopped_by_mode,
+    is_unqueued_arc, limits, positioning, stands_before, turns_may_stop,
 };
 use crate::simulation::filter::FilterChain;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Toolpath, Vector};
@@ -194,13 +194,11 @@ impl SegmentLimits {
         if is_blended {
             let last = accelerations.last_mut().expect("a motion has a segment");
             let segment = segments.at(end - 1);
-            // LinuxCNC finds the share that an arc's turn leaves only once the next move is queued (tcFinalizeLength).
-            if is_end_of_queue(toolpath, end) && segment.curve != Curve::Line {
-                *last =
-                    limits::TANGENTIAL_ACCELERATION_SHARE * limits::blended_acceleration(&segment, machine);
-            }
-            if !is_stopped_by_mode(toolpath, end, machine) {
-                *last *= 0.5;
+            let might_blend = !is_stopped_by_mode(toolpath, end, machine);
+            if is_unqueued_arc(toolpath, end - 1) {
+                *last = corner_blend::unqueued_acceleration(&segment, might_blend, machine);
+            } else if might_blend {
+                *last *= corner_blend::PARABOLA_SHARE;
             }
         }
         SegmentLimits { end, accelerations, first: first.unwrap_or(0.0), largest }
@@ -418,8 +416,7 @@ impl MotionPlanner<'_> {
             let side = |at: usize| corner_blend::CornerSide {
                 segment: &segments[at],
                 feedrate: feedrates[i - 1 + at],
-                whole_acceleration: (!self.shares(i - 1 + at, blends))
-                    .then(|| self.segment_limits.accelerations[i - 1 + at]),
+                whole_acceleration: self.acceleration_beside_parabola(i - 1 + at, blends),
             };
             blends[i] = corner_blend::parabola([side(0), side(1)], self.machine, tolerance, lengths);
         }
@@ -432,6 +429,18 @@ impl MotionPlanner<'_> {
         blends[i + 1].is_parabola() || !is_alone && blends[i].is_parabola()
     }
 
+    /// Returns the acceleration of a segment in a parabola at one of its ends, mm/s²; `None` if it is half of its own.
+    fn acceleration_beside_parabola(&self, i: usize, blends: &[Blend]) -> Option<f64> {
+        if self.is_unqueued_arc(i) {
+            return Some(corner_blend::unqueued_acceleration(&self.segment(i), true, self.machine));
+        }
+        (!self.shares(i, blends)).then(|| self.segment_limits.accelerations[i])
+    }
+
+    fn is_unqueued_arc(&self, i: usize) -> bool {
+        is_unqueued_arc(self.toolpath, self.range.start + i)
+    }
+
     /// Returns the pulses and the command at each corner, mm/s, if junctions are blends.
     fn blended(&self, feedrates: &[f64], blends: &[Blend]) -> (Vec<Pulse>, Vec<f64>) {
         let legs = feedrates.iter().zip(&self.segment_limits.accelerations).enumerate();
@@ -439,15 +448,19 @@ impl MotionPlanner<'_> {
             let (length, is_line) = (self.length(i), *self.curve(i) == Curve::Line);
             // The turns at the ends of an arc use a part of its acceleration; the curvature has only the rest.
             let left = 1.0 - blends[i].taken.max(blends[i + 1].taken);
-            let most = match is_line || left == 1.0 {
+            let is_unqueued_arc = self.is_unqueued_arc(i);
+            let most = match is_line || left == 1.0 || is_unqueued_arc {
                 true => f64::INFINITY,
                 false => corner_blend::arc_feedrate(&self.segment(i), left, self.machine),
             };
             let whole = Leg { length, feedrate: feedrate.min(most), acceleration, is_line };
-            if self.shares(i, blends) {
-                corner_blend::shared(&self.segment(i), whole, self.machine)
-            } else {
-                whole
+            match self.shares(i, blends) {
+                true if is_unqueued_arc => Leg {
+                    acceleration: corner_blend::unqueued_acceleration(&self.segment(i), true, self.machine),
+                    ..whole
+                },
+                true => corner_blend::shared(&self.segment(i), whole, self.machine),
+                false => whole,
             }
         };
         let legs: Vec<Leg> = legs.map(leg).collect();
