@@ -222,6 +222,25 @@ fn a_wait_is_known_where_corners_may_be_cut_by_millimetres() {
     assert!(lost.iter().all(|region| (region.seconds - 0.5).abs() < 0.01), "{lost:?}");
 }
 
+/// Ways out and back of which no two have quite the same direction, since coordinates are rounded, and a ramp into the
+/// material: the recorded tool is on the way on which it is, and not on a later one, where it would have to wait.
+#[test]
+fn a_tool_that_goes_out_and_back_is_on_the_right_way() {
+    let rounded = "X0.866 Y0.5\nX0 Y0\nX3.4641 Y2\nX0 Y0\nX12.9904 Y7.5\nX0 Y0\n";
+    let ramp = "X6 Y0 Z-0.05\nX0 Z-0.1\nX6 Z-0.15\nX0 Z-0.2\nX6 Z-0.25\n";
+    let mut wide = machine();
+    wide.interpolator.contour_tolerance = 10.0;
+    for ways in [rounded, ramp] {
+        let program = format!("{HEAD}G0 X0 Y0 Z1\nG1 Z0 F600\nF1500\n{ways}G0 Z10\nM30\n");
+        let toolpath = toolpath(&program);
+        let rows = recorded(&program, &machine(), 250.0);
+        let (_, alignment) = align_log(&log(&rows), &toolpath, &wide).expect("it is of this program");
+        let comparison = compare(&toolpath, &simulate(&toolpath, &machine()), &alignment);
+        let lost = regions(&comparison, &alignment, 0);
+        assert!(lost.iter().all(|region| region.seconds.abs() < 0.03), "{lost:?}");
+    }
+}
+
 /// Each run on each program, as it is and in machine coordinates: its own fits, and no other.
 #[test]
 fn runs_find_their_programs_among_others() {

@@ -16,8 +16,6 @@ const MAX_ARC_STEP_RAD: f64 = 0.2;
 const ENTRY_RATIO: f64 = 0.02;
 /// Number of moves within which a pass begins.
 const ENTRY_MOVES: usize = 3;
-/// Largest difference by rounding of distances from a point that are equal, mm.
-const ROUNDING_MM: f64 = 1e-9;
 /// Distance along the path below which two places are one, mm: no recorder resolves less.
 const SAME_PLACE_MM: f64 = 1e-3;
 
@@ -37,6 +35,8 @@ pub struct Projection {
     pub along: f64,
     /// Distance from the point, mm.
     pub away: f64,
+    /// `true` if the connection is perpendicular to the path.
+    is_perpendicular: bool,
 }
 
 impl<'a> Path<'a> {
@@ -119,8 +119,9 @@ impl<'a> Path<'a> {
         Some(extent)
     }
 
-    /// Adds the places within a range of distances (mm) that are nearer to `point` than their neighbourhood.
-    /// On a path that returns along itself these are places on the way out and on the way back, equally near.
+    /// Returns in `found` the places within a range of distances (mm) that are nearer to `point` than their neighbourhood.
+    /// On a path that returns along itself these are places on the way out and on the way back, however little the two
+    /// ways differ; inside of a corner, places on both legs.
     pub fn nearest(&self, point: Point, within: Range<f64>, found: &mut Vec<Projection>) {
         found.clear();
         let Some(first) = self.segment_at(within.start) else { return };
@@ -133,16 +134,19 @@ impl<'a> Path<'a> {
             let high = (within.end - begin).clamp(low, segment.length);
             match &segment.curve {
                 Curve::Line => {
-                    let offset = self.on_line(&segment, point).clamp(low, high);
-                    found.push(self.projection(index, offset, point));
+                    let foot = self.on_line(&segment, point);
+                    let is_perpendicular = low < foot && foot < high;
+                    found.push(self.projection(index, foot.clamp(low, high), point, is_perpendicular));
                 }
                 Curve::Arc(arc) => {
                     let turning = arc.sweep / segment.length;
                     let parts = ((high - low) * turning / MAX_ARC_STEP_RAD).ceil().clamp(1.0, 1e4) as usize;
                     for part in 0..=parts {
                         let offset = low + (high - low) * part as f64 / parts as f64;
-                        let offset = self.improved(&segment, offset, point).clamp(low, high);
-                        found.push(self.projection(index, offset, point));
+                        let foot = self.improved(&segment, offset, point);
+                        let is_perpendicular =
+                            low < foot && foot < high && self.is_foot(&segment, foot, point);
+                        found.push(self.projection(index, foot.clamp(low, high), point, is_perpendicular));
                     }
                 }
             }
@@ -154,9 +158,9 @@ impl<'a> Path<'a> {
         vector.component_mul(&self.counts).norm()
     }
 
-    fn projection(&self, segment: usize, offset: f64, point: Point) -> Projection {
+    fn projection(&self, segment: usize, offset: f64, point: Point, is_perpendicular: bool) -> Projection {
         let away = self.norm(self.segments.at(segment).point(offset) - point);
-        Projection { along: self.distances[segment] + offset, away }
+        Projection { along: self.distances[segment] + offset, away, is_perpendicular }
     }
 
     /// Returns the offset of the foot of the perpendicular on a line, mm; not limited to its ends.
@@ -166,35 +170,45 @@ impl<'a> Path<'a> {
         if squared < 1e-12 { 0.0 } else { direction.dot(&(point - segment.start)) / squared }
     }
 
+    /// Returns `true` if an offset on an arc is the foot of a perpendicular and nearer than its neighbourhood.
+    fn is_foot(&self, segment: &Segment, offset: f64, point: Point) -> bool {
+        let (slope, curvature) = self.slopes(segment, offset, point);
+        0.0 < curvature && slope.abs() <= SAME_PLACE_MM * curvature
+    }
+
+    /// Returns the first and the second derivative of half the squared distance of an arc from a point, mm and 1.
+    fn slopes(&self, segment: &Segment, offset: f64, point: Point) -> (f64, f64) {
+        let [tangent, curvature, _] = segment.derivatives(offset);
+        let away = (segment.point(offset) - point).component_mul(&self.counts);
+        (away.dot(&tangent), tangent.component_mul(&self.counts).norm_squared() + away.dot(&curvature))
+    }
+
     /// Returns an offset on an arc after some steps of Newton's method towards the nearest place.
     fn improved(&self, segment: &Segment, offset: f64, point: Point) -> f64 {
         let mut offset = offset;
         for _ in 0..3 {
-            let [tangent, curvature, _] = segment.derivatives(offset);
-            let away = (segment.point(offset) - point).component_mul(&self.counts);
-            let change = tangent.component_mul(&self.counts).norm_squared() + away.dot(&curvature);
+            let (slope, change) = self.slopes(segment, offset, point);
             if change <= 1e-9 {
                 break;
             }
-            offset = (offset - away.dot(&tangent) / change).clamp(0.0, segment.length);
+            offset = (offset - slope / change).clamp(0.0, segment.length);
         }
         offset
     }
 }
 
-/// Keeps the places, in order along the path, that have no nearer neighbour. Of two equally near places both
-/// are kept: the path returns along itself, and only rounding makes one of them nearer.
+/// Keeps the places, in order along the path, that are local minima: feet of perpendiculars, and other places without a
+/// nearer neighbour.
 fn keep_minima(found: &mut Vec<Projection>) {
     sort_by_number(found, |one| one.along);
     let all = std::mem::take(found);
     for (index, foot) in all.iter().enumerate() {
-        let is_equal = |other: &Projection| {
-            (other.away - foot.away).abs() <= ROUNDING_MM && SAME_PLACE_MM < (other.along - foot.along).abs()
-        };
         let before = index.checked_sub(1).map(|at| &all[at]);
-        if before.is_none_or(|before| foot.away < before.away || is_equal(before))
-            && all.get(index + 1).is_none_or(|next| foot.away <= next.away || is_equal(next))
-        {
+        let is_minimum = foot.is_perpendicular
+            || before.is_none_or(|before| foot.away < before.away)
+                && all.get(index + 1).is_none_or(|next| foot.away <= next.away);
+        let is_known = found.last().is_some_and(|last: &Projection| foot.along - last.along <= SAME_PLACE_MM);
+        if is_minimum && !is_known {
             found.push(*foot);
         }
     }
@@ -225,11 +239,19 @@ mod tests {
         assert_eq!(nearest(there_and_back, 0.0, [10.0, 0.0, 0.0]), [10.0]);
     }
 
+    /// The ways out and back differ by a ten-thousandth of a millimetre, and not even that much may decide between them.
     #[test]
-    fn a_corner_is_one_place() {
+    fn a_path_that_goes_back_almost_along_itself_is_near_on_all_ways() {
+        let ways = "G21 G90 G1 X0.866 Y0.5 F600\nX0 Y0\nX3.4641 Y2";
+        let places = nearest(ways, 0.0, [0.433, 0.25, 0.0]);
+        assert_eq!(places.len(), 3, "{places:?}");
+    }
+
+    #[test]
+    fn a_corner_is_one_place_from_outside_and_two_from_inside() {
         let corner = "G21 G90 G1 X10 F600\nY10";
         assert_eq!(nearest(corner, 0.0, [10.2, -0.1, 0.0]), [10.0]);
-        assert_eq!(nearest(corner, 0.0, [9.0, 2.0, 0.0]), [12.0]);
+        assert_eq!(nearest(corner, 0.0, [9.0, 2.0, 0.0]), [9.0, 12.0]);
         let arc = "G21 G90 G17 G1 X10 F600\nG3 X10 Y10 I0 J5";
         assert_eq!(nearest(arc, 0.0, [10.0, -0.2, 0.0]), [10.0]);
     }

@@ -54,7 +54,7 @@ use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::in_time::InTime;
 use crate::identification::diagnosis::model_error::{MAX_CHANGED_SETTINGS, OTHER_FAMILY, is_of_machine};
 use crate::identification::diagnosis::standing::Standing;
-use crate::identification::diagnosis::verdict::Left;
+use crate::identification::diagnosis::verdict::{Left, MAX_SILENT_PART};
 use crate::identification::effects::{self, Effect, Hypothesis, library};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
@@ -137,7 +137,8 @@ pub struct Diagnosis {
 }
 
 /// Diagnoses runs against the machine of the file. If the machine was never calibrated and one or two causes do not
-/// explain the runs, its file describes another machine: `diagnose` calibrates it from the runs first. `progress`
+/// explain the runs, or make another control of it and leave lost time, its file describes another machine: `diagnose`
+/// calibrates it from the runs first. `progress`
 /// receives the completed part, 0 to 1.
 pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let (machine, elsewhere) = &standing::on_these(machine, runs);
@@ -161,8 +162,11 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
 fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let as_it_is = diagnose_as_it_is(machine, None, runs, &mut |part| progress(0.5 * part));
     let of_machine = as_it_is.causes.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
-    let is_story =
-        MAX_CHANGED_SETTINGS < of_machine || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form;
+    let recorded: f64 = as_it_is.after.iter().map(|comparison| comparison.whole.recorded).sum();
+    let is_other_family = machine.has_filters() != as_it_is.machine.has_filters();
+    let is_story = MAX_CHANGED_SETTINGS < of_machine
+        || is_other_family && MAX_SILENT_PART * recorded < as_it_is.left.0
+        || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form;
     if Standing::of(machine) != Standing::Unchecked || !is_story || as_it_is.pulsation.is_some() {
         progress(1.0);
         return as_it_is;

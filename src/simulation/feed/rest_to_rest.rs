@@ -429,7 +429,7 @@ impl MotionPlanner<'_> {
         blends[i + 1].is_parabola() || !is_alone && blends[i].is_parabola()
     }
 
-    /// Returns the acceleration of a segment in a parabola at one of its ends, mm/s²; `None` if it is half of its own.
+    /// Returns the acceleration of a segment in a parabola at one of its ends, mm/s²; `None` for half of that outside.
     fn acceleration_beside_parabola(&self, i: usize, blends: &[Blend]) -> Option<f64> {
         if self.is_unqueued_arc(i) {
             return Some(corner_blend::unqueued_acceleration(&self.segment(i), true, self.machine));
