@@ -65,18 +65,23 @@ fn diagnosed(halted: &Machine) -> Diagnosis {
 
 /// The diagnosis of a run of a machine against another one.
 fn diagnosed_against(machine: &Machine, halted: &Machine) -> Diagnosis {
-    aligned(halted, |toolpath, alignment| {
-        let runs = [Run { toolpath, alignment: &alignment, overrides: (None, None) }];
-        diagnose(machine, &runs, &mut |_| {})
-    })
+    aligned(halted, |toolpath, alignment| diagnosed_as_aligned(machine, toolpath, &alignment))
+}
+
+fn diagnosed_as_aligned(machine: &Machine, toolpath: &Toolpath, alignment: &Alignment) -> Diagnosis {
+    diagnose(machine, &[Run { toolpath, alignment, overrides: (None, None) }], &mut |_| {})
 }
 
 /// A run of a machine, aligned with the one without halts.
 fn aligned<T>(halted: &Machine, then: impl FnOnce(&Toolpath, Alignment) -> T) -> T {
-    let program = program();
+    aligned_on(&program(), halted, then)
+}
+
+/// A run of a program on a machine, aligned with the one without halts.
+fn aligned_on<T>(program: &str, halted: &Machine, then: impl FnOnce(&Toolpath, Alignment) -> T) -> T {
     let machine = Machine::default();
     let toolpath = trace(&read(program.as_bytes()), &machine);
-    let log = recording::read(recorded(&program, halted).as_bytes()).expect("a table");
+    let log = recording::read(recorded(program, halted).as_bytes()).expect("a table");
     let alignment = align(&log.recordings[0], &toolpath, &machine).expect("the same program");
     then(&toolpath, alignment)
 }
@@ -111,6 +116,17 @@ fn assert_alone(machine: &Machine, (cause, line, seconds): (&str, u32, f64)) {
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!((found[0].0, found[0].1), (cause, line));
     assert!((found[0].2 - seconds).abs() < 0.02, "{found:?}");
+}
+
+/// One cause is found, a wait or a feed hold, and that the run cannot tell which.
+#[track_caller]
+fn assert_unseparable(diagnosis: &Diagnosis) {
+    let [cause] = &diagnosis.causes[..] else { panic!("{:?}", causes(diagnosis)) };
+    let mut named = [&[cause.candidate.hypothesis.effect.id.to_string()], &cause.alike[..]].concat();
+    named.sort();
+    assert_eq!(named, ["feed_hold", "unmodelled_wait"]);
+    assert!(cause.confidence <= 0.5, "{}", cause.confidence);
+    assert_eq!(diagnosis.verdict, Verdict::Ambiguous);
 }
 
 #[test]
@@ -170,6 +186,17 @@ fn a_wait_before_a_line_is_not_a_feed_hold() {
     assert_alone(&machine, ("unmodelled_wait", 14, 0.9));
 }
 
+/// In blocks of a millimetre, one hold of 25 rests within 0.02 mm of an end by chance: no proof of a wait there.
+#[test]
+fn a_hold_that_rests_at_the_end_of_a_short_block_is_not_told_from_a_wait() {
+    let rows = |row: u32| (1..40).map(move |x| format!("G1 X{x} Y{} F1500\n", 3.0 * f64::from(row)));
+    let program = format!("G21 G90\nG0 X0 Y0\n{}", (0..4).flat_map(rows).collect::<String>());
+    let diagnosis = aligned_on(&program, &held(&[(60, 0.8, 0.995)]), |toolpath, alignment| {
+        diagnosed_as_aligned(&Machine::default(), toolpath, &alignment)
+    });
+    assert_unseparable(&diagnosis);
+}
+
 /// An operator who holds the feed while the machine brakes for a stop leaves the same rest.
 #[test]
 fn a_wait_where_the_machine_stops_is_not_told_from_a_hold_on_its_ramp() {
@@ -177,13 +204,7 @@ fn a_wait_where_the_machine_stops_is_not_told_from_a_hold_on_its_ramp() {
     machine.interpolator.exact_stop_angle = 0.5;
     let mut halted = machine.clone();
     halted.halts.waits = [(15, 0.9)].into();
-    let diagnosis = diagnosed_against(&machine, &halted);
-    let [cause] = &diagnosis.causes[..] else { panic!("{:?}", causes(&diagnosis)) };
-    let mut named = [&[cause.candidate.hypothesis.effect.id.to_string()], &cause.alike[..]].concat();
-    named.sort();
-    assert_eq!(named, ["feed_hold", "unmodelled_wait"]);
-    assert!(cause.confidence <= 0.5, "{}", cause.confidence);
-    assert_eq!(diagnosis.verdict, Verdict::Ambiguous);
+    assert_unseparable(&diagnosed_against(&machine, &halted));
 }
 
 #[test]

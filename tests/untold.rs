@@ -291,3 +291,29 @@ fn a_change_of_the_program_that_was_calibrated_on_is_found_all_the_same() {
     assert_eq!(named, ["axis acceleration limit (Y)"]);
     assert!((diagnosis.causes[0].candidate.values[0] / 350.0 - 1.0).abs() < 0.03);
 }
+
+/// A finishing program in G64 without P, and so without merged lines.
+fn finishing() -> String {
+    let point = |row: u32, at: u32| {
+        let (x, y) =
+            (0.35 * f64::from(if row.is_multiple_of(2) { at } else { 80 - at }), 1.2 * f64::from(row));
+        format!("X{x:.3} Y{y:.3} Z{:.3}\n", -1.5 * (x / 2.5).sin() * (0.4 * y).cos())
+    };
+    let points: String = (0..6).flat_map(|row| (0..81).map(move |at| point(row, at))).collect();
+    format!("G21 G90 G64\nG0 X0 Y0 Z8\nG1 Z0 F900\nF3000\n{points}G0 Z8\nM30\n")
+}
+
+/// LinuxCNC's `G64 P` without Q sets the tolerance of corners, and merges lines within it.
+#[test]
+fn a_tolerance_that_also_merges_lines_is_one_cause() {
+    let mut machine = truth();
+    machine.interpolator.max_override = 1.0;
+    let mut changed = machine.clone();
+    (changed.interpolator.contour_tolerance, changed.interpolator.path_smoothing) = (0.012, Some(0.012));
+    let diagnosis = diagnosed(&machine, &finishing(), &changed);
+    let [cause] = &diagnosis.causes[..] else { panic!("{:?}", diagnosis.causes) };
+    assert_eq!(cause.candidate.hypothesis.effect.id, "corner_tolerance");
+    assert!((cause.candidate.values[0] / 0.012 - 1.0).abs() < 0.1, "{:?}", cause.candidate.values);
+    let found = &diagnosis.machine.interpolator;
+    assert_eq!(found.path_smoothing, Some(found.contour_tolerance));
+}

@@ -10,6 +10,7 @@
 //! | at a function or a tool change | none of this module: a wait of that |
 //! | where a long block meets a long block | a wait before the line of the later one |
 //! | the same, where the simulated machine has braked to next to nothing | that wait, or a feed hold on the line before |
+//! | the same, where blocks are so short that a hold rests as near to an end in one of 100 cases | likewise |
 //! | anywhere else | a feed hold on the line |
 //!
 //! An operator who holds the feed while the machine brakes for the end of a block brings it to rest v (v/a + D)/2 behind
@@ -36,7 +37,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::identification::alignment::{Method, Visit, median, visits};
+use crate::identification::alignment::{Mark, Method, Visit, median, visits};
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
 use crate::identification::effects::{FEED_HOLD, Hypothesis, LINE, Reported, SECONDS, UNMODELLED_WAIT};
 use crate::identification::fit::{FreeParameter, Run, VariationScale};
@@ -72,6 +73,8 @@ const MAX_STANDSTILL_MM_S: f64 = 0.2;
 const MIN_STANDSTILL_POLLS: f64 = 3.0;
 /// First place on a line, as a part of its path, that lies behind the mark of the line in spite of rounding.
 const MIN_SHARE_BEHIND_MARK: f64 = 1e-6;
+/// Largest part of the path that lies as near to the ends of blocks as a rest, at which no hold is near one by chance.
+const MAX_CHANCE: f64 = 0.01;
 /// Longest halt, s.
 const MAX_HALT_S: f64 = 3600.0;
 
@@ -112,10 +115,10 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     };
     let least = MIN_REST_S.max(2.0 * poll);
     let ramp = stopping_time(run, &machine, &plan);
-    let overrun = |at: f64| overrun(run, &machine, plan.longest_delay(), &profile, at);
+    let may_be_held = |at: f64| may_be_held(run, &machine, &plan, &profile, at, short);
     let visits = visits(run.toolpath);
-    let marks = &run.alignment.marks;
-    let known = marks.first().map_or(0.0, |mark| mark.time)..marks.last().map_or(0.0, |mark| mark.time);
+    let time = |mark: Option<&Mark>| mark.map_or(0.0, |mark| mark.time);
+    let known = time(run.alignment.marks.first())..time(run.alignment.marks.last());
     let mut found: Vec<Rest> = Vec::new();
     let (mut from, mut to) = (0, 0);
     while from + 1 < fixes.len() {
@@ -143,9 +146,9 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         let is_brief = || {
             let samples = fixes[to].sample.zip(fixes[from].sample).map_or(0, |(to, from)| to - from);
             // Only positions tell where inside a block a machine stands.
-            let is_placed = matches!(run.alignment.method, Method::Positions);
-            let is_one = stands && MIN_BRIEF_SAMPLES <= samples && least <= lost(first, last);
-            is_one && is_placed && is_inside(segments, &profile, at, 2.0 * short)
+            let is_placed = run.alignment.method == Method::Positions;
+            let is_long = MIN_BRIEF_SAMPLES <= samples && least <= lost(first, last);
+            is_placed && stands && is_long && is_inside(segments, &profile, at, 2.0 * short)
         };
         if lost(from, to) < least && !is_brief() {
             from += 1;
@@ -153,7 +156,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         }
         let rest = match run.alignment.method {
             Method::Positions => rest_at(run, &profile, at, short, lost(first, last))
-                .map(|rest| Rest { held_on: rest.held_on.filter(|_| overrun(rest.begin) <= short), ..rest }),
+                .map(|rest| Rest { held_on: rest.held_on.filter(|_| may_be_held(rest.begin)), ..rest }),
             // Where the recorder slept the machine went on: one that stands says so.
             Method::Lines | Method::Feed
                 if stood(run, fixes[from].time, fixes[to].time + poll)
@@ -173,13 +176,17 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     [halts(elsewhere), halts(at_dwells)].concat()
 }
 
-/// Returns the distance behind a place along the path (mm) at which a machine comes to rest that brakes for that place
-/// and is then held, mm; see the front of the module. `delay` is that of its filters, s.
-fn overrun(run: &Run, machine: &Machine, delay: f64, profile: &Profile, at: f64) -> f64 {
+/// Returns `true` if a feed hold may leave a rest within `near` (mm) of an end of a block: if the machine is held while it
+/// brakes for that end, or if so much of the path there is as near to an end that any hold may; see the front of the
+/// module.
+fn may_be_held(run: &Run, machine: &Machine, plan: &FeedPlan, profile: &Profile, at: f64, near: f64) -> bool {
     let segments = &run.toolpath.segments;
     let feedrate = profile.at_time(profile.time_at_distance(at)).velocity.norm();
     let segment = segments.at(segment_at(segments, profile, at));
-    0.5 * feedrate * (feedrate / acceleration(&segment, machine) + delay)
+    let overrun = 0.5 * feedrate * (feedrate / acceleration(&segment, machine) + plan.longest_delay());
+    let after = segment_at(segments, profile, at + near);
+    let both = segments.length(after.saturating_sub(1)) + segments.length(after);
+    overrun <= near || MAX_CHANCE * both < 4.0 * near
 }
 
 /// Adds a rest to those found before it; consecutive rests at one place are joined.

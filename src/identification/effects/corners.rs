@@ -9,6 +9,9 @@ use crate::simulation::feed::rounding;
 use crate::simulation::toolpath::{Curve, Motion, Segment};
 use crate::units::mm_per_min;
 
+/// Variant of a tolerance that also merges lines.
+pub const CORNERS_AND_LINES: &str = "corners and merged lines";
+
 pub fn tolerances(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let machine = context.machine;
     let own = machine.interpolator.contour_tolerance;
@@ -26,6 +29,15 @@ pub fn tolerances(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     };
     let report = |value| vec![CONTOUR_TOLERANCE.number(value)];
     let mut all = vec![Hypothesis::single(effect, parameter.tried(), trials, report)];
+    if !context.has_tolerance && machine.interpolator.junction.blends_in_time() {
+        // LinuxCNC's G64 P sets both the tolerance of corners and that within which lines are merged.
+        let freed = parameters::CONTOUR_TOLERANCE.tried().also(|machine| {
+            machine.interpolator.path_smoothing = Some(machine.interpolator.contour_tolerance)
+        });
+        let trials = ratios(1e-3, 0.5, 24);
+        let report = |value| vec![AT.word(CORNERS_AND_LINES), CONTOUR_TOLERANCE.number(value)];
+        all.push(Hypothesis::single(effect, freed, trials, report).variant(CORNERS_AND_LINES));
+    }
     all.extend(arcs(effect, machine).filter(|_| context.has_arc));
     all
 }

@@ -139,6 +139,9 @@ effects! {
         vendors: "cycle 32 T (Heidenhain), CYCLE832 or CTOL (Siemens), G64 P (LinuxCNC), G187 E (Haas)",
         sentence: |f| match f.word(of::AT) {
             "arcs" => format!("The contour tolerance of corners does not slow arcs{}.", f.costs()),
+            corners::CORNERS_AND_LINES => format!(
+                "The control blends corners and merges lines within {} mm{}.", f.number(of::CONTOUR_TOLERANCE), f.costs()
+            ),
             _ => format!("The control blends corners within {} mm{}.", f.number(of::CONTOUR_TOLERANCE), f.costs()),
         },
     }
