@@ -124,6 +124,42 @@ fn a_wait_of_the_first_feed_move_for_the_spindle_is_found_where_it_is() {
     assert!((diagnosis.causes[0].candidate.values[0] - 1.7).abs() < 0.02);
 }
 
+/// Of a ramp the feed waits for what the rapid moves and dwells behind its word leave of it.
+#[test]
+fn what_is_left_of_the_spindles_ramp_at_a_feed_move_is_found() {
+    let believed = Machine::default();
+    let mut truth = believed.clone();
+    truth.times.spindle_ramp_at_feed = 0.8e-3;
+    let part = |x: u32, speed: u32, more: &str| {
+        format!("G0 Z20\nS{speed} M3\n{more}G0 X{x} Y0\nZ2\nG1 Z-1 F600\nX{} F1800\nY20\n", x + 20)
+    };
+    let parts = [part(10, 4000, ""), part(60, 9000, "G4 P1.5\n"), part(10, 8500, "")].concat();
+    let text = format!("G21 G90\nG0 X0 Y0 Z10\n{parts}G0 Z20\nM30\n");
+    let toolpath = trace(&gcode::read(text.as_bytes()), &believed);
+    let found = simulate(&toolpath, &truth);
+    let samples = Profile::new(&toolpath, &found).samples(Resolution::FINE);
+    let diagnosis = diagnosed(&toolpath, &believed, &samples);
+    assert_eq!(names(&diagnosis), [("spindle_wait", "ramp at first feed moves")]);
+    assert!((diagnosis.causes[0].candidate.values[0] / 0.8e-3 - 1.0).abs() < 0.02);
+}
+
+/// Dwells and rapid moves run beside the ramp, and the feed begins when the last of all is done.
+#[test]
+fn a_feed_move_begins_when_ramp_dwell_and_rapids_are_done() {
+    let mut machine = Machine::default();
+    let time = |program: &str, machine: &Machine| {
+        simulate(&trace(&gcode::read(program.as_bytes()), machine), machine).cycle_time()
+    };
+    let [rapid, feed] = ["G21 G90 G0 X100", "G21 G91 G1 X100 F3000"].map(|program| time(program, &machine));
+    machine.times.spindle_ramp_at_feed = 0.8e-3;
+    for dwell in [0.0, 1.0, 3.0, 10.0] {
+        let program = format!("G21 G90\nS4000 M3\nG4 P{dwell}\nG0 X100\nG1 X200 F3000");
+        let expected = f64::max(3.2, dwell + rapid) + feed;
+        let found = time(&program, &machine);
+        assert!((found - expected).abs() < 1e-9, "{found} s, {expected} s");
+    }
+}
+
 /// Each wait costs its time and a full stop, and none where the machine has no such wait.
 #[test]
 fn a_wait_at_s_words_is_a_full_stop_and_its_time() {

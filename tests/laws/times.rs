@@ -171,10 +171,11 @@ fn neutral_times_leave_the_result_as_it_is() {
         given.times.spindle_awaited_by = vec![8, 30];
         given.times.spindle_change = 0.0;
         given.times.spindle_at_feed = 0.0;
+        given.times.spindle_ramp_at_feed = 0.0;
         assert_eq!(breakdown_on(&given), breakdown_on(&plain));
     }
     let rows = PARAMETERS.iter().filter(|row| row.key.starts_with("times."));
-    assert_eq!(rows.count(), 22, "a new time belongs into these laws");
+    assert_eq!(rows.count(), 23, "a new time belongs into these laws");
 }
 
 /// A random path with random stops and operations.

@@ -165,17 +165,16 @@ export function mount(root, { most, usual }, actions) {
       const now = [state.lengthUnit, outcome, quoted, state.machine.values[CURE.key], ...columns, ...columns.map((column) => outcome?.runs.get(column))]
       if (now.length === shown.length && now.every((value, i) => value === shown[i])) return
       shown = now
-      const focused = document.activeElement
-      const wasQuoting = focused instanceof HTMLInputElement && focused.name === 'quoted' && root.contains(focused)
       // Times arrive while a key is on its way to a tolerance.
-      const removing = focused?.matches('.chip .remove') && place.contains(focused) ? focused.closest('tr')?.querySelector('input')?.value : undefined
+      const focused = place.contains(document.activeElement) ? document.activeElement : null
+      const key = focused?.closest('tr')?.querySelector('input')?.value
       const titles = [say.tolerances.quoted, say.common.cycleTime, say.tolerances.leaves].map((title) => make('th', { scope: 'col' }, title))
       const rows = columns.map((column, index) => row(column, index, outcome, column === quoted))
       place.replaceChildren(make('table', {}, make('thead', {}, make('tr', {}, ...titles, make('td', {}))), make('tbody', {}, ...rows)))
-      if (wasQuoting) /** @type {HTMLElement | null} */ (place.querySelector('input:checked'))?.focus()
       const inputs = /** @type {NodeListOf<HTMLInputElement>} */ (place.querySelectorAll('.chip input'))
-      const again = [...inputs].find((input) => input.value === removing)?.closest('tr')
-      if (again) /** @type {HTMLElement | null} */ (again.querySelector('.remove'))?.focus()
+      const again = [...inputs].find((input) => input.value === key)
+      if (focused?.matches('.remove')) /** @type {HTMLElement | null | undefined} */ (again?.closest('tr')?.querySelector('.remove'))?.focus()
+      else again?.focus()
       holds.replaceChildren(...(outcome ? [...programmed(outcome), ...beyond(outcome, state)] : []))
     },
   }

@@ -97,7 +97,8 @@ pub fn passed(
     let plc_words = candidate.hypothesis.plc_words;
     if 0 < plc_words {
         let believed = candidate.hypothesis.freed[0].handle.get(current).unwrap_or(0.0);
-        if !gates::is_beyond_chance(candidate.values[0] - believed, further, plc_words) {
+        let each = candidate.hypothesis.wait_between(believed, candidate.values[0]).unwrap_or(0.0);
+        if !gates::is_beyond_chance(each, further, plc_words) {
             return None;
         }
     }

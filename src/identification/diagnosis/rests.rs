@@ -279,7 +279,7 @@ pub fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -
         return None;
     }
     // There controls wait for the spindle, and an operator would hold the feed at just that place by chance alone.
-    if run.toolpath.feeds_at_new_speed().any(|segment| around.contains(&end(segment))) {
+    if run.toolpath.feeds_at_new_speed().any(|feed| around.contains(&end(feed.segment))) {
         return None;
     }
     let low = segment_at(segments, profile, at);

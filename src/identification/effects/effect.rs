@@ -2,7 +2,9 @@
 
 use std::ops::Deref;
 
-use crate::identification::effects::report::{AXIS, Finding, Quantity, Report, Reported, ReportedValue};
+use crate::identification::effects::report::{
+    AXIS, Finding, Quantity, Report, Reported, ReportedValue, SECONDS,
+};
 use crate::identification::fit::{FreeParameter, Run, with};
 use crate::machine::Machine;
 use crate::simulation::feed::limits::rapid_feedrate;
@@ -272,6 +274,18 @@ impl Hypothesis {
         };
         let mut axes = axes.chars();
         axes.next().filter(|_| axes.next().is_none())
+    }
+
+    /// Returns by how much longer a wait is with one value than with another, s; `None` for anything but a wait.
+    pub fn wait_between(&self, from: f64, to: f64) -> Option<f64> {
+        let seconds = |value: f64| {
+            let reported = (self.report)(&[value]);
+            reported.into_iter().find_map(|(quantity, reported)| match reported {
+                Reported::Number(seconds) if quantity == SECONDS => Some(seconds),
+                _ => None,
+            })
+        };
+        Some(seconds(to)? - seconds(from)?)
     }
 
     /// Returns `true` if `other` is another explanation to a person: another effect, or the same effect of another axis.

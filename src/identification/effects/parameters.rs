@@ -253,6 +253,8 @@ parameters! {
     SPINDLE_CHANGE_WAIT = ratio("times.spindle_change_s", SPINDLE_WAITS_S).exactly(Exactness::Cycles);
     /// Wait of the first feed move at a new speed of the spindle, s.
     SPINDLE_AT_FEED_WAIT = ratio("times.spindle_at_feed_s", SPINDLE_WAITS_S).exactly(Exactness::Cycles);
+    /// Ramp of the spindle that the first feed move at a new speed waits for, s for each rpm.
+    SPINDLE_RAMP_AT_FEED = ratio("times.spindle_at_feed_s_per_1000_rpm", Values(1e-5, 0.1)).exactly(Exactness::Cycles);
     /// Ramp of the spindle, s for each rpm.
     SPINDLE_RAMP = difference("times.spindle_s_per_1000_rpm", Values(0.0, 0.1)).exactly(Exactness::Wait);
     /// Time from the start of a program to its first block, s.

@@ -65,6 +65,8 @@ pub const OR_CODE: Quantity = quantity("or_code", "or code", "");
 pub const PLANNER: Quantity = quantity("planner", "planner", "");
 /// A rapid feedrate, mm/min.
 pub const RAPID: Quantity = quantity("rapid_mm_min", "rapid", "mm/min");
+/// The ramp of the spindle, s for each 1000 rpm.
+pub const RAMP: Quantity = quantity("s_per_1000_rpm", "ramp", "s/1000 rpm");
 /// A ratio to the assumed value.
 pub const RATIO: Quantity = quantity("ratio", "ratio", "");
 /// The place of the encoder or scale whose positions were recorded, if it is known.

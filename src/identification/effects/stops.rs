@@ -6,7 +6,7 @@ use crate::identification::alignment::ProgramPlace;
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
 use crate::identification::effects::parameters::{self, Adjustable};
 use crate::identification::effects::report::{
-    ANGLE, ANGLE_BOUNDS, AT, CODE, LINE, OR_CODE, Reported, SECONDS,
+    ANGLE, ANGLE_BOUNDS, AT, CODE, LINE, OR_CODE, RAMP, Reported, SECONDS,
 };
 use crate::identification::effects::waits::StopKind;
 use crate::identification::fit::{FreeParameter, Run};
@@ -88,8 +88,8 @@ pub fn in_position_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     kinds.into_iter().filter(|(_, is_offered)| *is_offered).map(|(at, _)| of(at)).collect()
 }
 
-/// Returns the hypotheses of a wait for the spindle: of the feed at S words in blocks of motion, and of the first
-/// feed move at a new speed.
+/// Returns the hypotheses of a wait for the spindle: of the feed at S words in blocks of motion, and of the first feed move
+/// at a new speed, for a certain time or for the remainder of a ramp.
 pub fn spindle_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let runs = &context.runs;
     let of = |parameter: Adjustable, at: &'static str, plc_words: usize| {
@@ -104,7 +104,25 @@ pub fn spindle_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         (has_feeds, parameters::SPINDLE_AT_FEED_WAIT, "first feed moves", words_before_feeds(runs)),
     ];
     let offered = all.into_iter().filter(|(is_offered, ..)| *is_offered);
-    offered.map(|(_, parameter, at, plc_words)| of(parameter, at, plc_words)).collect()
+    let waits = offered.map(|(_, parameter, at, plc_words)| of(parameter, at, plc_words));
+    waits.chain(ramp_at_feeds(effect, runs)).collect()
+}
+
+/// Returns the hypothesis that first feed moves wait for the remainder of the ramp of the spindle; `None` without two
+/// of them, since a single wait shows no law.
+fn ramp_at_feeds(effect: Effect, runs: &[Run]) -> Option<Hypothesis> {
+    let changes: Vec<f64> =
+        runs.iter().flat_map(|run| run.toolpath.feeds_at_new_speed()).map(|feed| feed.change).collect();
+    if changes.len() < 2 {
+        return None;
+    }
+    let largest = changes.iter().copied().fold(0.0, f64::max);
+    let report = move |ramp: f64| {
+        vec![SECONDS.number(ramp * largest), RAMP.number(1e3 * ramp), AT.word("first feed moves")]
+    };
+    let freed = parameters::SPINDLE_RAMP_AT_FEED.tried();
+    let hypothesis = Hypothesis::single(effect, freed, ratios(2e-5, 5e-3, 12), report);
+    Some(hypothesis.variant("ramp at first feed moves").answering(words_before_feeds(runs)))
 }
 
 /// Returns the largest number of words that the PLC answers directly before a first feed move at a new speed: at least
@@ -115,7 +133,8 @@ fn words_before_feeds(runs: &[Run]) -> usize {
         let before = toolpath.stops[first..].iter().take_while(|stop| stop.after == feed);
         before.filter_map(|stop| StopKind::of(&stop.cause)).map(StopKind::plc_words).sum()
     };
-    let of_run = |run: &Run| run.toolpath.feeds_at_new_speed().map(|feed| words(run.toolpath, feed)).max();
+    let of_run =
+        |run: &Run| run.toolpath.feeds_at_new_speed().map(|feed| words(run.toolpath, feed.segment)).max();
     runs.iter().filter_map(of_run).fold(1, usize::max)
 }
 

@@ -252,10 +252,16 @@ effects! {
         id: "spindle_wait", offered: stops::spindle_waits,
         vendors: "SPIND_ON_SPEED_AT_IO_START (Siemens MD35500), No. 3708 bit 0 (Fanuc)",
         unprovoked: Some("a probe runs without the spindle: record a program with S words among its feed moves instead"),
-        sentence: |f| format!(
-            "The feed waits {} s at {} until the spindle has its speed{}.",
-            f.number(of::SECONDS), f.word(of::AT), f.costs()
-        ),
+        sentence: |f| match f.get(of::RAMP) {
+            Some(_) => format!(
+                "First feed moves wait until the spindle has its speed, for which it needs {} s for each 1000 rpm{}.",
+                f.number(of::RAMP), f.costs()
+            ),
+            None => format!(
+                "The feed waits {} s at {} until the spindle has its speed{}.",
+                f.number(of::SECONDS), f.word(of::AT), f.costs()
+            ),
+        },
     }
     /// Lag of the axes behind their command.
     SERVO_LAG {

@@ -10,7 +10,7 @@ use crate::machine::parameter::{
 /// Bounds of the time of a machine function, s: up to an hour.
 const TIME_BOUNDS_S: (f64, f64) = (0.0, 3600.0);
 
-pub(super) const TIMES: [Parameter; 22] = [
+pub(super) const TIMES: [Parameter; 23] = [
     row!("times.start_s", "Program start", value Second TIME_BOUNDS_S [times.start] or 0.0,
         "Time from the start of the program to its first block; 0: none."),
     row!("times.tool_change_s", "Tool change", value Second TIME_BOUNDS_S [times.tool_change] or FunctionTimes::default().tool_change,
@@ -42,6 +42,8 @@ pub(super) const TIMES: [Parameter; 22] = [
         "Time that the feed waits at an S word in a block of motion until the spindle has its speed. 0: it does not wait."),
     row!("times.spindle_at_feed_s", "Wait of the first feed move for the spindle", value Second TIME_BOUNDS_S [times.spindle_at_feed] or 0.0,
         "Time that the first feed move after a start of the spindle, or a change of its speed, waits until the spindle has its speed; rapid moves do not wait. 0: it does not wait either."),
+    row!("times.spindle_at_feed_s_per_1000_rpm", "Spindle ramp that the first feed move waits for", value SecondPerThousandRpm (0.0, 100.0) [times.spindle_ramp_at_feed] or 0.0,
+        "Time for each 1000 rpm by which the speed changes, on controls where only the first feed move waits for the spindle: dwells and rapid moves before it run beside the ramp. 0: it does not wait."),
     row!("times.coolant_on_s", "Coolant on", optional Second TIME_BOUNDS_S [times.coolant_on],
         "Time of M7 and M8. Empty: as other M-codes."),
     row!("times.coolant_off_s", "Coolant off", optional Second TIME_BOUNDS_S [times.coolant_off],

@@ -11,10 +11,14 @@
 //! | wait before a line that moves first | before the first pulse of its rest-to-rest motion |
 //! | wait at an S word in a block of motion | before the first pulse of its rest-to-rest motion |
 //! | wait of the first feed move for the spindle | before the first pulse of its rest-to-rest motion |
+//! | what a ramp of the spindle, k |Δn| s long, still lasts there | the same |
 //! | wait for position | behind the last pulse of its rest-to-rest motion |
 //!
 //! If the line begins with a function, a dwell or a turn of rotary axes, the wait before it is added to the
 //! duration of that stop.
+//!
+//! A ramp of the spindle begins at its word, and dwells and rapid moves run beside it. One that an S word among moves
+//! starts is taken to begin at the feed move.
 //!
 //! Limits: a feed hold interrupts the command at once, even if an acceleration limit acts before the filters.
 
@@ -24,7 +28,7 @@ use std::ops::Range;
 
 use crate::machine::Machine;
 use crate::simulation::feed::{FeedPlan, Phase, Pulse, Pulses, exact_stop_by_turn};
-use crate::simulation::toolpath::{Motion, Segment, Segments, Toolpath};
+use crate::simulation::toolpath::{Motion, Segment, Segments, StopCause, Toolpath};
 
 /// The halts of a toolpath on a machine.
 #[derive(Debug, Default)]
@@ -35,6 +39,17 @@ pub(super) struct HaltSchedule {
     segments: BTreeMap<usize, f64>,
     /// Feed holds by index of the segment: distance along it (mm) and duration (s).
     holds: BTreeMap<usize, (f64, f64)>,
+    /// Ramps of the spindle that the first feed move waits for, by index of its segment.
+    ramps: BTreeMap<usize, AwaitedRamp>,
+}
+
+/// A ramp of the spindle that a feed move waits for.
+#[derive(Debug)]
+struct AwaitedRamp {
+    /// Duration, s.
+    duration: f64,
+    /// `true` if it begins at a stop of the program.
+    begins_at_stop: bool,
 }
 
 /// Splits a machine into one without its feed holds and one with nothing but them; returns the machine itself
@@ -58,9 +73,17 @@ impl HaltSchedule {
             found.segments.extend(toolpath.speed_changes().map(|next| (next, machine.times.spindle_change)));
         }
         if 0.0 < machine.times.spindle_at_feed {
-            for next in toolpath.feeds_at_new_speed() {
-                *found.segments.entry(next).or_default() += machine.times.spindle_at_feed;
+            for feed in toolpath.feeds_at_new_speed() {
+                *found.segments.entry(feed.segment).or_default() += machine.times.spindle_at_feed;
             }
+        }
+        if 0.0 < machine.times.spindle_ramp_at_feed {
+            let ramps = toolpath.feeds_at_new_speed().map(|feed| {
+                let duration = machine.times.spindle_ramp_at_feed * feed.change;
+                let begins_at_stop = toolpath.is_spindle_stop(feed.changed_after);
+                (feed.segment, AwaitedRamp { duration, begins_at_stop })
+            });
+            found.ramps.extend(ramps);
         }
         if halts.waits.is_empty() && halts.feed_holds.is_empty() {
             return found;
@@ -105,27 +128,33 @@ impl HaltSchedule {
 
     /// Returns `true` if the machine halts before a segment.
     pub(super) fn stands_before(&self, segment: usize) -> bool {
-        self.segments.contains_key(&segment)
+        self.segments.contains_key(&segment) || self.ramps.contains_key(&segment)
     }
 
     /// Returns `true` if the machine halts before any segment.
     pub(super) fn has_segments(&self) -> bool {
-        !self.segments.is_empty()
+        !self.segments.is_empty() || !self.ramps.is_empty()
     }
 
     /// Inserts the halts into a plan that has full stops where they occur.
     pub(super) fn put_into(&self, plan: &mut FeedPlan, toolpath: &Toolpath, machine: &Machine) {
         let in_position = machine.halts.in_position;
-        if self.stops.is_empty() && self.segments.is_empty() && self.holds.is_empty() && in_position <= 0.0 {
+        if self.stops.is_empty() && !self.has_segments() && self.holds.is_empty() && in_position <= 0.0 {
             return;
         }
         let pulses = std::mem::take(&mut plan.pulses);
         let mut stop = 0;
+        // The time so far, and when the spindle last began to change its speed, s.
+        let (mut clock, mut ramp_began) = (0.0, 0.0);
         let mut phases = plan.phases.iter_mut().peekable();
         while let Some(phase) = phases.next() {
             let rest_to_rest = match phase {
                 Phase::Wait(wait) => {
                     wait.duration += self.stops.get(&stop).copied().unwrap_or(0.0);
+                    if matches!(wait.cause, StopCause::Spindle { .. }) {
+                        ramp_began = clock;
+                    }
+                    clock += wait.duration;
                     stop += 1;
                     continue;
                 }
@@ -138,8 +167,14 @@ impl HaltSchedule {
                 offset,
                 feedrate: [0.0, 0.0],
             };
-            if let Some(&seconds) = self.segments.get(&rest_to_rest.segments.start) {
-                plan.pulses.push(halt(rest_to_rest.segments.start, 0.0, seconds));
+            let start = rest_to_rest.segments.start;
+            let ramp = self.ramps.get(&start).map_or(0.0, |ramp| {
+                let before = if ramp.begins_at_stop { clock - ramp_began } else { 0.0 };
+                (ramp.duration - before).max(0.0)
+            });
+            let seconds = self.segments.get(&start).copied().unwrap_or(0.0) + ramp;
+            if 0.0 < seconds {
+                plan.pulses.push(halt(start, 0.0, seconds));
             }
             for own in pulses.by_segment(rest_to_rest.pulses.clone()) {
                 match self.holds.get(&pulses.segment(own.start)) {
@@ -156,6 +191,8 @@ impl HaltSchedule {
                 plan.pulses.push(halt(last, toolpath.segments.length(last), in_position));
             }
             rest_to_rest.pulses = first..plan.pulses.len();
+            let sent: f64 = plan.pulses.range(rest_to_rest.pulses.clone()).map(|pulse| pulse.duration).sum();
+            clock += sent + plan.filters[rest_to_rest.filter].delay();
         }
     }
 }

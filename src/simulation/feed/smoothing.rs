@@ -87,7 +87,8 @@ pub fn merged(toolpath: &Toolpath, machine: &Machine, tolerances: Tolerances) ->
             merging.merged.take_path_mode(mode);
         }
         while let Some((_, spin)) = spins.next_if(|(from, _)| *from <= number) {
-            if 0.0 < machine.times.spindle_change.max(machine.times.spindle_at_feed) {
+            let times = &machine.times;
+            if 0.0 < times.spindle_change.max(times.spindle_at_feed).max(times.spindle_ramp_at_feed) {
                 merging.flush();
             }
             merging.merged.take_spin(*spin);

@@ -199,6 +199,17 @@ pub struct Toolpath {
     pub doubts: Vec<Doubt>,
 }
 
+/// The first feed move after a change of the spindle's speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FeedAtNewSpeed {
+    /// Index of its segment.
+    pub segment: usize,
+    /// Number of segments before the change.
+    pub changed_after: usize,
+    /// Change of the speed, rpm; through standstill if the direction changes.
+    pub change: f64,
+}
+
 impl Toolpath {
     /// Returns the distance along the path before each segment, and at the end, mm.
     pub fn distances(&self) -> Vec<f64> {
@@ -222,8 +233,15 @@ impl Toolpath {
         changes.map(|pair| pair[1].0).filter(is_among_moves)
     }
 
+    /// Returns `true` if the spindle changes its speed at a stop behind the first `after` segments.
+    pub fn is_spindle_stop(&self, after: usize) -> bool {
+        let first = self.stops.partition_point(|stop| stop.after < after);
+        let mut here = self.stops[first..].iter().take_while(|stop| stop.after == after);
+        here.any(|stop| matches!(stop.cause, StopCause::Spindle { .. }))
+    }
+
     /// Returns the first feed move after each start of the spindle and each change of its speed.
-    pub fn feeds_at_new_speed(&self) -> impl Iterator<Item = usize> {
+    pub fn feeds_at_new_speed(&self) -> impl Iterator<Item = FeedAtNewSpeed> {
         let standing = (0, SpindleState::default());
         let before = [standing].into_iter().chain(self.spins.iter().copied());
         let until = self.spins[1.min(self.spins.len())..].iter().map(|next| next.0);
@@ -231,8 +249,11 @@ impl Toolpath {
         let spins = before.zip(&self.spins).zip(until).filter(|(((_, before), (_, own)), _)| {
             own.direction != SpindleDirection::Standing && 0.0 < own.speed && before != own
         });
-        spins.filter_map(|((_, (from, _)), until)| {
-            (*from..until.min(self.segments.len())).find(|at| self.segments.motion(*at) != Motion::Rapid)
+        spins.filter_map(|(((_, before), (from, own)), until)| {
+            let mut moves = *from..until.min(self.segments.len());
+            let segment = moves.find(|at| self.segments.motion(*at) != Motion::Rapid)?;
+            let change = (own.signed_speed() - before.signed_speed()).abs();
+            Some(FeedAtNewSpeed { segment, changed_after: *from, change })
         })
     }
 }
