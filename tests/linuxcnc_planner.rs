@@ -93,6 +93,31 @@ fn an_arc_that_is_last_in_the_queue_has_the_feedrate_of_its_whole_acceleration()
     assert!(behind < leg + expected, "{behind} s, {leg} s + {expected} s");
 }
 
+/// A line between two arcs that takes less than 10 ms is one ramp: in the recording of a trochoid the tool keeps its 49 mm/s
+/// on lines of 0.48 mm. On longer lines it speeds up and brakes again.
+#[test]
+fn a_short_line_between_arcs_is_one_ramp() {
+    let mut machine = planner();
+    let (acceleration, radius) = (940.0, 2.949);
+    machine.axes.iter_mut().for_each(|axis| (axis.acceleration, axis.velocity) = (acceleration, 218.0));
+    let trochoid = |turns: u32, length: f64| {
+        let turn = |at: u32| {
+            let x = length * f64::from(at);
+            format!("G1 X{x:.4}\nG3 Y{radius} J{radius}\nY-{radius} J-{radius}\n")
+        };
+        let turns: String = (1..=turns).map(turn).collect();
+        time(&format!("G21 G64 F3940\nG0 Y-{radius}\n{turns}G1 Y-9\n"), &machine)
+    };
+    let on_arc = (0.75f64.sqrt() * acceleration * radius).sqrt();
+    let speeding =
+        |length: f64| 2.0 * ((on_arc * on_arc + acceleration * length).sqrt() - on_arc) / acceleration;
+    for (length, line) in [(0.48, 0.48 / on_arc), (0.52, speeding(0.52))] {
+        let found = (trochoid(21, length) - trochoid(1, length)) / 20.0;
+        let expected = 2.0 * PI * radius / on_arc + line;
+        assert!((found - expected).abs() < 1e-5, "{length} mm: {found} s, {expected} s");
+    }
+}
+
 /// An exact-stop angle of 0 is G61.1: a stop at the end of every block, where the path goes straight on as well.
 #[test]
 fn an_angle_of_nothing_stops_where_nothing_turns() {

@@ -127,16 +127,29 @@ fn checked(text: &str) -> Result<Settings, SettingsError> {
     }
     let mut form = values(&Machine::default());
     form.extend(settings.machine);
-    machine_from_form(&Value::Object(form.clone()).to_string()).map_err(SettingsError::Machine)?;
+    // Written anew, since JavaScript writes the neutral 0.0 as 0, which is another JSON value.
+    let machine = machine_from_form(&Value::Object(form).to_string()).map_err(SettingsError::Machine)?;
     let terms = terms_from_values(&settings.terms).map_err(SettingsError::Terms)?;
     let known = presets().into_iter().any(|preset| preset.machine.name == settings.preset);
     let preset = if known { settings.preset } else { String::new() };
-    Ok(Settings { preset, machine: form, terms: terms_values(&terms), ..settings })
+    Ok(Settings { preset, machine: values(&machine), terms: terms_values(&terms), ..settings })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_neutral_number_is_left_out_whether_it_is_written_as_a_whole_number_or_not() {
+        let text = |zero: &str| {
+            format!(
+                r#"{{"truefeed": 1, "machine": {{"times.start_s": {zero}}}, "tolerances_mm": [0.01], "programmed": true}}"#
+            )
+        };
+        let [whole, decimal] = ["0", "0.0"].map(|zero| settings_text(&text(zero)).expect("it is right"));
+        assert!(!whole.contains("times.start_s"), "{whole}");
+        assert_eq!(whole, decimal);
+    }
 
     fn full(machine: &Machine, terms: Value) -> Value {
         serde_json::json!({"truefeed": 1, "preset": presets()[1].machine.name, "machine": values(machine),

@@ -17,6 +17,10 @@
 //! A line between two circles becomes part of the second circle if the largest speed of that circle would
 //! cover the line in less than four servo periods.
 //!
+//! A feed move between two blends that takes less than 10 ms at the mean of its first and its last speed is one ramp
+//! between the two, unless a parabola or a stop ends it: it speeds up no further in between (`arcBlendRampFreq`,
+//! 100 Hz).
+//!
 //! The planner sees at most N lines and circles ahead and must be able to stop within them. Where piece k
 //! begins,
 //!
@@ -28,12 +32,12 @@
 //! path speed changes from the first value to the last with one acceleration. The first leg would come to a
 //! stop at its own end, so the motion can always stop at a parabola. A parabola among these pieces lifts the limit.
 //!
-//! Limits: if a circle takes different lengths of the two legs, κ is the same for both. Source: derived; the
-//! division, the gap of four periods and the look-ahead (`tpRunOptimization`) are LinuxCNC's
-//! (src/emc/tp, tp.c and blendmath.c).
+//! Limits: if a circle takes different lengths of the two legs, κ is the same for both. Circles are trapezoids however
+//! short they are. Source: derived; the division, the gap of four periods, the short ramps (`tpActivateSegment`) and
+//! the look-ahead (`tpRunOptimization`) are LinuxCNC's (src/emc/tp, tp.c and blendmath.c), and recordings of it.
 
 use crate::simulation::feed::Pulse;
-use crate::simulation::feed::block::{BlockEnd, parts};
+use crate::simulation::feed::block::{BlockEnd, BlockPart, parts};
 
 /// A circle, or a parabola, in place of a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +90,8 @@ impl Blend {
     fn piece(&self, length: f64, joins_next: bool) -> BlendPiece {
         let feedrate = self.ends[0].max(self.ends[1]);
         let Blend { shortening, acceleration, .. } = *self;
-        BlendPiece { length, shortening, feedrate, acceleration, joins_next, is_parabola: self.is_parabola() }
+        let is_parabola = self.is_parabola();
+        BlendPiece { length, shortening, feedrate, acceleration, joins_next, is_parabola, may_be_ramp: false }
     }
 }
 
@@ -101,6 +106,8 @@ pub struct Leg {
     pub acceleration: f64,
     /// `true` for a line.
     pub is_line: bool,
+    /// `true` for a rapid move.
+    pub is_rapid: bool,
 }
 
 /// A piece that is run as one trapezoid.
@@ -118,9 +125,22 @@ struct BlendPiece {
     joins_next: bool,
     /// `true` for a part of a parabola.
     is_parabola: bool,
+    /// `true` if a short piece is one ramp.
+    may_be_ramp: bool,
 }
 
 impl BlendPiece {
+    /// Returns the parts between two speeds (mm/s): a trapezoid, or one ramp if that is short.
+    fn parts(&self, first: f64, last: f64) -> impl Iterator<Item = BlockPart> {
+        let path = self.shortening * self.length;
+        let duration = 2.0 * path / (first + last);
+        let is_ramp = self.may_be_ramp && 0.0 < last && duration < MAX_RAMP_DURATION_S;
+        let end = |feedrate: f64| BlockEnd { feedrate, hold: 0.0 };
+        let trapezoid =
+            (!is_ramp).then(|| parts(path, self.feedrate, self.acceleration, end(first), end(last)));
+        is_ramp.then_some((duration, first, last)).into_iter().chain(trapezoid.into_iter().flatten())
+    }
+
     /// Returns the largest change of v² along the piece, mm²/s².
     fn braked(&self) -> f64 {
         2.0 * self.acceleration * self.shortening * self.length
@@ -140,6 +160,9 @@ struct ChainSum {
 /// largest speed of that circle covers the line.
 const MIN_LINE_DURATION_S: f64 = 4e-3;
 
+/// Duration (s) below which a feed move between two blends is one ramp.
+const MAX_RAMP_DURATION_S: f64 = 10e-3;
+
 /// Returns the blend that begins a leg, the line behind it and the blend that ends the leg.
 fn pieces(leg: &Leg, first: &Blend, last: &Blend) -> [BlendPiece; 3] {
     let begin = first.distances[1].min(leg.length);
@@ -153,12 +176,13 @@ fn pieces(leg: &Leg, first: &Blend, last: &Blend) -> [BlendPiece; 3] {
         acceleration,
         joins_next: false,
         is_parabola: false,
+        may_be_ramp: !leg.is_rapid && !last.is_parabola(),
     };
     let is_circle = !last.is_parabola() && 0.0 < end;
     if is_circle && leg.is_line && line.length < MIN_LINE_DURATION_S * last.fastest {
         line.feedrate = line.feedrate.min(last.feedrate);
         line.acceleration = line.acceleration.min(last.acceleration);
-        line.joins_next = true;
+        (line.joins_next, line.may_be_ramp) = (true, false);
     }
     [first.piece(begin, false), line, last.piece(end, true)]
 }
@@ -231,15 +255,12 @@ pub fn pulses(legs: &[Leg], corners: &[Blend], look_ahead: f64, segment: usize) 
     }
     let mut pulses = Vec::with_capacity(2 * legs.len());
     for (i, piece) in chain.iter().enumerate().filter(|(_, piece)| moving(piece)) {
-        let end = |feedrate: f64| BlockEnd { feedrate, hold: 0.0 };
-        let (first, last) = (end(speeds[i]), end(speeds[i + 1]));
-        let path = piece.shortening * piece.length;
         let mut offset = match i % 3 {
             0 => 0.0,
             1 => pieces[i / 3][0].length,
             _ => legs[i / 3].length - piece.length,
         };
-        for (duration, first, last) in parts(path, piece.feedrate, piece.acceleration, first, last) {
+        for (duration, first, last) in piece.parts(speeds[i], speeds[i + 1]) {
             if 0.0 < duration {
                 let feedrate = [first / piece.shortening, last / piece.shortening];
                 pulses.push(Pulse { segment: (segment + i / 3) as u32, duration, offset, feedrate });
@@ -257,7 +278,7 @@ mod tests {
 
     /// Lines of 1 mm that go straight on, at 100 mm/s and 500 mm/s².
     fn line(count: usize) -> (Vec<Leg>, Vec<Blend>) {
-        let leg = Leg { length: 1.0, feedrate: 100.0, acceleration: 500.0, is_line: true };
+        let leg = Leg { length: 1.0, feedrate: 100.0, acceleration: 500.0, is_line: true, is_rapid: false };
         let mut corners = vec![Blend::none(f64::INFINITY); count + 1];
         (corners[0], corners[count]) = (Blend::none(0.0), Blend::none(0.0));
         (vec![leg; count], corners)

@@ -453,7 +453,8 @@ impl MotionPlanner<'_> {
                 true => f64::INFINITY,
                 false => corner_blend::arc_feedrate(&self.segment(i), left, self.machine),
             };
-            let whole = Leg { length, feedrate: feedrate.min(most), acceleration, is_line };
+            let is_rapid = self.toolpath.segments.motion(self.range.start + i) == Motion::Rapid;
+            let whole = Leg { length, feedrate: feedrate.min(most), acceleration, is_line, is_rapid };
             match self.shares(i, blends) {
                 true if is_unqueued_arc => Leg {
                     acceleration: corner_blend::unqueued_acceleration(&self.segment(i), true, self.machine),
