@@ -124,7 +124,7 @@ fn a_wait_of_the_first_feed_move_for_the_spindle_is_found_where_it_is() {
     assert!((diagnosis.causes[0].candidate.values[0] - 1.7).abs() < 0.02);
 }
 
-/// Of a ramp the feed waits for what the rapid moves and dwells behind its word leave of it.
+/// Rapid moves and dwells overlap the ramp of the spindle, and the first feed move waits for the rest of it.
 #[test]
 fn what_is_left_of_the_spindles_ramp_at_a_feed_move_is_found() {
     let believed = Machine::default();

@@ -38,8 +38,9 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// Returns the machine file that a user begins with, before any calibration. A preset is told that a tool change
-    /// takes no time: this simulation has no changer, and a program without a change could not show it.
+    /// Returns the machine file that a user starts from, before any calibration. In a preset of the project the tool
+    /// change takes no time: the recorded control has no tool changer, and a program without a tool change cannot show
+    /// its time.
     pub fn begin_with(&self) -> Result<String, Refusal> {
         if let Some(file) = &self.preset {
             return Ok(std::fs::read_to_string(file)?);

@@ -43,8 +43,8 @@ pub struct FunctionTimes {
     /// Wait of the first feed move after the spindle started or changed its speed, s; rapid moves do not
     /// wait; neutral 0.
     pub spindle_at_feed: f64,
-    /// Time per rpm of a change of speed, counted from the word that asks for it, that the first feed move at the new speed
-    /// waits for, s; what moves and waits in between runs beside the ramp; neutral 0.
+    /// Ramp time per rpm of a change of speed, s, for controls where only the first feed move at the new speed waits for
+    /// the spindle; dwells and rapid moves overlap the ramp; neutral 0.
     pub spindle_ramp_at_feed: f64,
     /// M7 and M8, s; neutral `None`: as other M-words. The same applies to every optional time here.
     pub coolant_on: Option<f64>,

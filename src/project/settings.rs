@@ -127,7 +127,7 @@ fn checked(text: &str) -> Result<Settings, SettingsError> {
     }
     let mut form = values(&Machine::default());
     form.extend(settings.machine);
-    // Written anew, since JavaScript writes the neutral 0.0 as 0, which is another JSON value.
+    // JavaScript writes 0.0 as 0, which is another JSON value, so the values of the checked machine replace the form.
     let machine = machine_from_form(&Value::Object(form).to_string()).map_err(SettingsError::Machine)?;
     let terms = terms_from_values(&settings.terms).map_err(SettingsError::Terms)?;
     let known = presets().into_iter().any(|preset| preset.machine.name == settings.preset);

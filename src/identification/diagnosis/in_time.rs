@@ -65,7 +65,8 @@ impl InTime {
             named.clear();
             pulsation = seen(&base);
         }
-        let is_other_family = Standing::of(start) != Standing::Unchecked && is_other_family(start, &named);
+        let is_other_family = Standing::of(start) != Standing::Unchecked
+            && is_other_family(start, &with_all(&base, &candidates(&named)));
         let named = match is_other_family {
             true => without_story(start, &base, runs, named),
             false => search.believable(library, named),

@@ -52,7 +52,9 @@ use crate::identification::diagnosis::cause::candidates;
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::in_time::InTime;
-use crate::identification::diagnosis::model_error::{MAX_CHANGED_SETTINGS, OTHER_FAMILY, is_of_machine};
+use crate::identification::diagnosis::model_error::{
+    MAX_CHANGED_SETTINGS, OTHER_FAMILY, is_of_machine, is_other_family,
+};
 use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::verdict::{Left, MAX_SILENT_PART};
 use crate::identification::effects::{self, Effect, Hypothesis, library};
@@ -163,9 +165,8 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     let as_it_is = diagnose_as_it_is(machine, None, runs, &mut |part| progress(0.5 * part));
     let of_machine = as_it_is.causes.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
     let recorded: f64 = as_it_is.after.iter().map(|comparison| comparison.whole.recorded).sum();
-    let is_other_family = machine.has_filters() != as_it_is.machine.has_filters();
     let is_story = MAX_CHANGED_SETTINGS < of_machine
-        || is_other_family && MAX_SILENT_PART * recorded < as_it_is.left.0
+        || is_other_family(machine, &as_it_is.machine) && MAX_SILENT_PART * recorded < as_it_is.left.0
         || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form;
     if Standing::of(machine) != Standing::Unchecked || !is_story || as_it_is.pulsation.is_some() {
         progress(1.0);

@@ -101,8 +101,8 @@ pub fn is_of_machine(candidate: &Candidate) -> bool {
 
 /// Returns `true` if causes turn the control of a machine into one of another family: no change of a machine does that, so
 /// its file has the wrong family.
-pub fn is_other_family(start: &Machine, named: &[AcceptedCause]) -> bool {
-    start.has_filters() != with_all(start, &candidates(named)).has_filters()
+pub fn is_other_family(start: &Machine, with_causes: &Machine) -> bool {
+    start.has_filters() != with_causes.has_filters()
 }
 
 /// Returns the causes without the limits and settings of machine and control, if these are not believable: if there are
@@ -120,9 +120,9 @@ pub fn without_story(
     }
     let is_of_machine = |cause: &AcceptedCause| is_of_machine(&cause.candidate);
     let of_machine = named.iter().filter(|cause| is_of_machine(cause)).count();
-    let with = || with_all(base, &candidates(&named));
-    let is_story = MAX_CHANGED_SETTINGS < of_machine || is_other_family(start, &named);
-    if is_story || 0 < of_machine && leaves_much(start, &with(), runs, true) {
+    let with = with_all(base, &candidates(&named));
+    let is_story = MAX_CHANGED_SETTINGS < of_machine || is_other_family(start, &with);
+    if is_story || 0 < of_machine && leaves_much(start, &with, runs, true) {
         named.retain(|cause| !is_of_machine(cause));
     }
     named

@@ -10,7 +10,7 @@
 //! | at a function or a tool change | none of this module: a wait of that |
 //! | where a long block meets a long block | a wait before the line of the later one |
 //! | the same, where the simulated machine has braked to next to nothing | that wait, or a feed hold on the line before |
-//! | the same, where blocks are so short that a hold rests as near to an end in one of 100 cases | likewise |
+//! | the same, where more than one feed hold in 100 rests as near to an end by chance | likewise |
 //! | anywhere else | a feed hold on the line |
 //!
 //! An operator who holds the feed while the machine brakes for the end of a block brings it to rest v (v/a + D)/2 behind
@@ -73,7 +73,7 @@ const MAX_STANDSTILL_MM_S: f64 = 0.2;
 const MIN_STANDSTILL_POLLS: f64 = 3.0;
 /// First place on a line, as a part of its path, that lies behind the mark of the line in spite of rounding.
 const MIN_SHARE_BEHIND_MARK: f64 = 1e-6;
-/// Largest part of the path that lies as near to the ends of blocks as a rest, at which no hold is near one by chance.
+/// Largest probability that a feed hold rests near an end of a block by chance, at which a rest there is still a wait.
 const MAX_CHANCE: f64 = 0.01;
 /// Longest halt, s.
 const MAX_HALT_S: f64 = 3600.0;
@@ -176,9 +176,9 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     [halts(elsewhere), halts(at_dwells)].concat()
 }
 
-/// Returns `true` if a feed hold may leave a rest within `near` (mm) of an end of a block: if the machine is held while it
-/// brakes for that end, or if so much of the path there is as near to an end that any hold may; see the front of the
-/// module.
+/// Returns `true` if a feed hold may leave a rest within `near` (mm) of an end of a block: the operator holds the feed while
+/// the machine brakes for that end, or the blocks there are so short that a hold rests near an end by chance; see the
+/// front of the module.
 fn may_be_held(run: &Run, machine: &Machine, plan: &FeedPlan, profile: &Profile, at: f64, near: f64) -> bool {
     let segments = &run.toolpath.segments;
     let feedrate = profile.at_time(profile.time_at_distance(at)).velocity.norm();

@@ -129,8 +129,7 @@ fn ramp_at_feeds(effect: Effect, runs: &[Run]) -> Option<Hypothesis> {
 /// one, for the spindle. Nothing moves between them and the wait of the feed.
 fn words_before_feeds(runs: &[Run]) -> usize {
     let words = |toolpath: &Toolpath, feed: usize| -> usize {
-        let first = toolpath.stops.partition_point(|stop| stop.after < feed);
-        let before = toolpath.stops[first..].iter().take_while(|stop| stop.after == feed);
+        let before = toolpath.stops_at(feed).iter();
         before.filter_map(|stop| StopKind::of(&stop.cause)).map(StopKind::plc_words).sum()
     };
     let of_run =

@@ -43,7 +43,7 @@ pub(super) const TIMES: [Parameter; 23] = [
     row!("times.spindle_at_feed_s", "Wait of the first feed move for the spindle", value Second TIME_BOUNDS_S [times.spindle_at_feed] or 0.0,
         "Time that the first feed move after a start of the spindle, or a change of its speed, waits until the spindle has its speed; rapid moves do not wait. 0: it does not wait either."),
     row!("times.spindle_at_feed_s_per_1000_rpm", "Spindle ramp that the first feed move waits for", value SecondPerThousandRpm (0.0, 100.0) [times.spindle_ramp_at_feed] or 0.0,
-        "Time for each 1000 rpm by which the speed changes, on controls where only the first feed move waits for the spindle: dwells and rapid moves before it run beside the ramp. 0: it does not wait."),
+        "Ramp time for each 1000 rpm of a change of speed, on controls where only the first feed move waits for the spindle. Dwells and rapid moves overlap the ramp. 0: the feed move does not wait."),
     row!("times.coolant_on_s", "Coolant on", optional Second TIME_BOUNDS_S [times.coolant_on],
         "Time of M7 and M8. Empty: as other M-codes."),
     row!("times.coolant_off_s", "Coolant off", optional Second TIME_BOUNDS_S [times.coolant_off],

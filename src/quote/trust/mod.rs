@@ -267,9 +267,7 @@ impl<'a> DoubtBounds<'a> {
     /// Returns a bound for a dwell in milliseconds that may be in seconds, or for a missing dwell, s; `None`
     /// without a bound.
     fn dwell_bound(&self, doubt: &Doubt) -> Option<f64> {
-        let stops = &self.toolpath.stops;
-        let first = stops.partition_point(|stop| stop.after < doubt.after);
-        let own = stops[first..].iter().take_while(|stop| stop.after == doubt.after);
+        let own = self.toolpath.stops_at(doubt.after).iter();
         let own = own.filter(|stop| stop.line == doubt.line).find_map(|stop| match stop.cause {
             StopCause::Dwell { seconds } => Some(SECONDS_OVER_MILLISECONDS * seconds),
             _ => None,

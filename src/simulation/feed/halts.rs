@@ -11,14 +11,14 @@
 //! | wait before a line that moves first | before the first pulse of its rest-to-rest motion |
 //! | wait at an S word in a block of motion | before the first pulse of its rest-to-rest motion |
 //! | wait of the first feed move for the spindle | before the first pulse of its rest-to-rest motion |
-//! | what a ramp of the spindle, k |Δn| s long, still lasts there | the same |
+//! | wait of the first feed move for the rest of a spindle ramp of k abs(Δn) s | the same |
 //! | wait for position | behind the last pulse of its rest-to-rest motion |
 //!
 //! If the line begins with a function, a dwell or a turn of rotary axes, the wait before it is added to the
 //! duration of that stop.
 //!
-//! A ramp of the spindle begins at its word, and dwells and rapid moves run beside it. One that an S word among moves
-//! starts is taken to begin at the feed move.
+//! A spindle ramp begins at its M word, and dwells and rapid moves overlap it. If an S word among moves starts the ramp, the
+//! model lets it begin at the feed move.
 //!
 //! Limits: a feed hold interrupts the command at once, even if an acceleration limit acts before the filters.
 
@@ -27,7 +27,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::machine::Machine;
-use crate::simulation::feed::{FeedPlan, Phase, Pulse, Pulses, exact_stop_by_turn};
+use crate::simulation::feed::{FeedPlan, Phase, Pulse, Pulses, exact_stop_by_turn, total_duration};
 use crate::simulation::toolpath::{Motion, Segment, Segments, StopCause, Toolpath};
 
 /// The halts of a toolpath on a machine.
@@ -80,7 +80,8 @@ impl HaltSchedule {
         if 0.0 < machine.times.spindle_ramp_at_feed {
             let ramps = toolpath.feeds_at_new_speed().map(|feed| {
                 let duration = machine.times.spindle_ramp_at_feed * feed.change;
-                let begins_at_stop = toolpath.is_spindle_stop(feed.changed_after);
+                let mut stops = toolpath.stops_at(feed.changed_after).iter();
+                let begins_at_stop = stops.any(|stop| matches!(stop.cause, StopCause::Spindle { .. }));
                 (feed.segment, AwaitedRamp { duration, begins_at_stop })
             });
             found.ramps.extend(ramps);
@@ -191,8 +192,10 @@ impl HaltSchedule {
                 plan.pulses.push(halt(last, toolpath.segments.length(last), in_position));
             }
             rest_to_rest.pulses = first..plan.pulses.len();
-            let sent: f64 = plan.pulses.range(rest_to_rest.pulses.clone()).map(|pulse| pulse.duration).sum();
-            clock += sent + plan.filters[rest_to_rest.filter].delay();
+            if !self.ramps.is_empty() {
+                clock +=
+                    total_duration(&plan.pulses, rest_to_rest) + plan.filters[rest_to_rest.filter].delay();
+            }
         }
     }
 }

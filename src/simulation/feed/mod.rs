@@ -218,9 +218,13 @@ impl FeedPlan {
     /// Returns the total duration of the pulses of a motion, s. The motion lasts longer by the filter delay
     /// and by the time lost behind the filters.
     pub fn command_time(&self, rest_to_rest: &RestToRest) -> f64 {
-        let durations = rest_to_rest.pulses.clone().map(|pulse| self.pulses.duration(pulse));
-        running_sum(durations).last().unwrap_or(0.0)
+        total_duration(&self.pulses, rest_to_rest)
     }
+}
+
+/// Returns the total duration of the pulses of a motion, s.
+fn total_duration(pulses: &Pulses, rest_to_rest: &RestToRest) -> f64 {
+    running_sum(rest_to_rest.pulses.clone().map(|pulse| pulses.duration(pulse))).last().unwrap_or(0.0)
 }
 
 /// Returns the plan of a toolpath on a machine without the time lost behind the filters, which
@@ -393,7 +397,7 @@ fn is_stopped_by_mode(toolpath: &Toolpath, next: usize, machine: &Machine) -> bo
 /// Returns `true` if the control has no move behind segment `next − 1` while that moves: a function waits for its end,
 /// or the program ends.
 fn is_end_of_queue(toolpath: &Toolpath, next: usize) -> bool {
-    toolpath.segments.len() <= next || toolpath.stops.binary_search_by_key(&next, |stop| stop.after).is_ok()
+    toolpath.segments.len() <= next || !toolpath.stops_at(next).is_empty()
 }
 
 /// Returns `true` for an arc behind which no move is queued: LinuxCNC finds the feedrate and the acceleration that the

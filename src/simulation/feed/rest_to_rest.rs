@@ -193,10 +193,9 @@ impl SegmentLimits {
         }
         if is_blended {
             let last = accelerations.last_mut().expect("a motion has a segment");
-            let segment = segments.at(end - 1);
             let might_blend = !is_stopped_by_mode(toolpath, end, machine);
             if is_unqueued_arc(toolpath, end - 1) {
-                *last = corner_blend::unqueued_acceleration(&segment, might_blend, machine);
+                *last = corner_blend::unqueued_acceleration(&segments.at(end - 1), might_blend, machine);
             } else if might_blend {
                 *last *= corner_blend::PARABOLA_SHARE;
             }
@@ -416,7 +415,9 @@ impl MotionPlanner<'_> {
             let side = |at: usize| corner_blend::CornerSide {
                 segment: &segments[at],
                 feedrate: feedrates[i - 1 + at],
-                whole_acceleration: self.acceleration_beside_parabola(i - 1 + at, blends),
+                whole_acceleration: self.unqueued_acceleration(i - 1 + at).or_else(|| {
+                    (!self.shares(i - 1 + at, blends)).then(|| self.segment_limits.accelerations[i - 1 + at])
+                }),
             };
             blends[i] = corner_blend::parabola([side(0), side(1)], self.machine, tolerance, lengths);
         }
@@ -429,16 +430,11 @@ impl MotionPlanner<'_> {
         blends[i + 1].is_parabola() || !is_alone && blends[i].is_parabola()
     }
 
-    /// Returns the acceleration of a segment in a parabola at one of its ends, mm/s²; `None` for half of that outside.
-    fn acceleration_beside_parabola(&self, i: usize, blends: &[Blend]) -> Option<f64> {
-        if self.is_unqueued_arc(i) {
-            return Some(corner_blend::unqueued_acceleration(&self.segment(i), true, self.machine));
-        }
-        (!self.shares(i, blends)).then(|| self.segment_limits.accelerations[i])
-    }
-
-    fn is_unqueued_arc(&self, i: usize) -> bool {
+    /// Returns the acceleration beside a parabola of an arc behind which no move is queued, mm/s²; `None` for any other
+    /// segment.
+    fn unqueued_acceleration(&self, i: usize) -> Option<f64> {
         is_unqueued_arc(self.toolpath, self.range.start + i)
+            .then(|| corner_blend::unqueued_acceleration(&self.segment(i), true, self.machine))
     }
 
     /// Returns the pulses and the command at each corner, mm/s, if junctions are blends.
@@ -448,20 +444,17 @@ impl MotionPlanner<'_> {
             let (length, is_line) = (self.length(i), *self.curve(i) == Curve::Line);
             // The turns at the ends of an arc use a part of its acceleration; the curvature has only the rest.
             let left = 1.0 - blends[i].taken.max(blends[i + 1].taken);
-            let is_unqueued_arc = self.is_unqueued_arc(i);
-            let most = match is_line || left == 1.0 || is_unqueued_arc {
+            let unqueued = self.unqueued_acceleration(i);
+            let most = match is_line || left == 1.0 || unqueued.is_some() {
                 true => f64::INFINITY,
                 false => corner_blend::arc_feedrate(&self.segment(i), left, self.machine),
             };
             let is_rapid = self.toolpath.segments.motion(self.range.start + i) == Motion::Rapid;
             let whole = Leg { length, feedrate: feedrate.min(most), acceleration, is_line, is_rapid };
-            match self.shares(i, blends) {
-                true if is_unqueued_arc => Leg {
-                    acceleration: corner_blend::unqueued_acceleration(&self.segment(i), true, self.machine),
-                    ..whole
-                },
-                true => corner_blend::shared(&self.segment(i), whole, self.machine),
-                false => whole,
+            match (self.shares(i, blends), unqueued) {
+                (true, Some(acceleration)) => Leg { acceleration, ..whole },
+                (true, None) => corner_blend::shared(&self.segment(i), whole, self.machine),
+                (false, _) => whole,
             }
         };
         let legs: Vec<Leg> = legs.map(leg).collect();

@@ -221,6 +221,12 @@ impl Toolpath {
         running_sum((0..self.segments.len()).map(|segment| self.segments.length(segment)))
     }
 
+    /// Returns the stops between segment `after − 1` and segment `after`.
+    pub fn stops_at(&self, after: usize) -> &[Stop] {
+        let behind = &self.stops[self.stops.partition_point(|stop| stop.after < after)..];
+        &behind[..behind.partition_point(|stop| stop.after == after)]
+    }
+
     /// Returns the segments before which an S word changes the speed of a running spindle without a stop of the
     /// program.
     pub fn speed_changes(&self) -> impl Iterator<Item = usize> {
@@ -228,16 +234,9 @@ impl Toolpath {
             let [before, after] = [pair[0].1, pair[1].1];
             before.direction == after.direction && 0.0 < before.speed && before.speed != after.speed
         });
-        let has_stop = |next: &usize| self.stops.binary_search_by_key(next, |stop| stop.after).is_ok();
-        let is_among_moves = move |next: &usize| *next < self.segments.len() && !has_stop(next);
+        let is_among_moves =
+            move |next: &usize| *next < self.segments.len() && self.stops_at(*next).is_empty();
         changes.map(|pair| pair[1].0).filter(is_among_moves)
-    }
-
-    /// Returns `true` if the spindle changes its speed at a stop behind the first `after` segments.
-    pub fn is_spindle_stop(&self, after: usize) -> bool {
-        let first = self.stops.partition_point(|stop| stop.after < after);
-        let mut here = self.stops[first..].iter().take_while(|stop| stop.after == after);
-        here.any(|stop| matches!(stop.cause, StopCause::Spindle { .. }))
     }
 
     /// Returns the first feed move after each start of the spindle and each change of its speed.
