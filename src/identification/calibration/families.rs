@@ -11,9 +11,21 @@ use crate::identification::effects::parameters::{JUNCTION_RATIOS, MAX_OVERRIDE, 
 use crate::identification::fit::{Run, Whitening};
 use crate::machine::{Junction, Machine, Planner};
 
+/// A family of planners as a calibration tries it.
+#[derive(Clone, Copy)]
+struct Candidate {
+    planner: Planner,
+    /// `true` if the machine file's contour tolerance bounds its blends; `false` for blends that nothing bounds. No
+    /// fit leads from one to the other.
+    keeps_tolerance: bool,
+    /// `true` if its axes are limited to the velocities that they reached again and again.
+    has_limited_axes: bool,
+}
+
 /// Returns the machine of each family that is nearest to the runs, before any fit. `machine` is the machine before
-/// the calibration; `fitted` has the waits and the rapid feed that filters need. If axes never exceeded a speed
-/// that they reached again and again, acceleration blends are also guessed with this speed as their limit.
+/// the calibration; `fitted` has the waits and the rapid feed that filters need. Acceleration blends are guessed
+/// with a contour tolerance, as the control may be started with one, and without; and, if axes never exceeded a speed
+/// that they reached again and again, also with this speed as their limit.
 pub fn guesses(
     machine: &Machine,
     fitted: &Machine,
@@ -23,23 +35,23 @@ pub fn guesses(
 ) -> Vec<Machine> {
     let mut plain = fitted.clone();
     plain.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
-    let guess = |(planner, has_limited_axes): (Planner, bool)| {
+    let guess = |candidate: Candidate| {
+        let Candidate { planner, keeps_tolerance, has_limited_axes } = candidate;
         let at = |acceleration: &f64| {
             let mut of = plain.clone();
             of.become_planner(planner, *acceleration);
-            if planner != Planner::AccelerationBlend {
-                return vec![of];
+            if planner == Planner::AccelerationBlend {
+                if let Some(seen) = plateaus {
+                    seen.limit_feed(&mut of);
+                    of = seen.limited_to_fastest(&of).filter(|_| has_limited_axes).unwrap_or(of);
+                }
+                if keeps_tolerance {
+                    of.interpolator.contour_tolerance = plain.interpolator.contour_tolerance;
+                }
             }
-            if let Some(seen) = plateaus {
-                seen.limit_feed(&mut of);
-                of = seen.limited_to_fastest(&of).filter(|_| has_limited_axes).unwrap_or(of);
-            }
-            // A tolerance that the machine file has may be one that the control is started with.
-            let mut given = of.clone();
-            given.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
-            vec![of, given]
+            of
         };
-        let ramps = PLANNER_ACCELERATION.guesses.iter().flat_map(at);
+        let ramps = PLANNER_ACCELERATION.guesses.iter().map(at);
         let grid = ramps.flat_map(|of| with_rapids(planner, &of, machine, fitted, plateaus));
         let nearest_ramps = nearest(grid, runs, whitenings)?;
         let corners = JUNCTION_RATIOS.map(|ratio| nearest_ramps.with_scaled_junction(ratio));
@@ -50,9 +62,16 @@ pub fn guesses(
         }
     };
     let limited = plateaus.and_then(|seen| seen.limited_to_fastest(&plain));
-    let planners = Planner::ALL.map(|planner| (planner, false));
-    let limited = limited.map(|_| (Planner::AccelerationBlend, true));
-    planners.into_iter().chain(limited).filter_map(guess).collect()
+    let candidates = Planner::ALL.into_iter().flat_map(|planner| {
+        let is_blended = planner == Planner::AccelerationBlend;
+        let own = move |(keeps_tolerance, has_limited_axes): (bool, bool)| {
+            let is_meant = is_blended || !keeps_tolerance && !has_limited_axes;
+            is_meant.then_some(Candidate { planner, keeps_tolerance, has_limited_axes })
+        };
+        [(false, false), (true, false), (false, true), (true, true)].into_iter().filter_map(own)
+    });
+    let is_tried = |candidate: &Candidate| !candidate.has_limited_axes || limited.is_some();
+    candidates.filter(is_tried).filter_map(guess).collect()
 }
 
 /// Returns the machine with another way to blend corners if that is nearer to the runs; `None` if none is nearer or
