@@ -44,6 +44,7 @@ pub mod block;
 mod chords;
 pub mod corner;
 mod corner_blend;
+mod corner_curve;
 mod cruise;
 mod halts;
 pub mod junction;
@@ -59,6 +60,7 @@ mod rest_to_rest;
 mod substitute;
 mod tolerances;
 
+pub use corner_curve::CornerCurve;
 pub use pulses::Pulses;
 pub use smoothing::rounding;
 pub use time_scaling::{FilteredTime, Knot, TimeScaling};
@@ -131,6 +133,8 @@ pub struct FeedPlan {
     pub corner_feedrates: Vec<f64>,
     /// Command along each segment between its corners, mm/s.
     pub segment_feedrates: Vec<f64>,
+    /// Curves in place of corners, in the order of their segments; empty unless the control blends corners in time.
+    pub corner_curves: Vec<CornerCurve>,
     /// Time lost behind the filters through acceleration limits; `None` if they cost nothing.
     pub time_scaling: Option<TimeScaling>,
 }

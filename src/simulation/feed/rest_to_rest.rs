@@ -22,6 +22,7 @@ use crate::simulation::feed::blend::{self, Blend, Leg};
 use crate::simulation::feed::block::{self, BlockEnd, BlockPart};
 use crate::simulation::feed::corner::CornerLaw;
 use crate::simulation::feed::corner_blend;
+use crate::simulation::feed::corner_curve::CornerCurve;
 use crate::simulation::feed::halts::HaltSchedule;
 use crate::simulation::feed::junction::{self, CornerTurn};
 use crate::simulation::feed::ramp::Ramp;
@@ -45,7 +46,7 @@ pub(super) fn add_rest_to_rest(
 ) -> usize {
     // The lists of the plan hold the feedrates and corners from the beginning: a long program has no room for
     // them twice.
-    let FeedPlan { filters, segment_feedrates, corner_feedrates, pulses, phases, .. } = plan;
+    let FeedPlan { filters, segment_feedrates, corner_feedrates, corner_curves, pulses, phases, .. } = plan;
     let (first_feedrate, first_corner, first_pulse) =
         (segment_feedrates.len(), corner_feedrates.len(), pulses.len());
     let segment_limits = SegmentLimits::of(toolpath, range.clone(), machine, halts, segment_feedrates);
@@ -89,6 +90,7 @@ pub(super) fn add_rest_to_rest(
         planner.lay_parabolas(feedrates, &mut blends);
         let (blended, at_corners) = planner.blended(feedrates, &blends);
         pulses.extend(blended);
+        corner_curves.extend(planner.curves(&blends));
         corner_feedrates.truncate(first_corner);
         let is_stop = |corner: &usize| at_corners[*corner - 1] == 0.0;
         stops.extend((1..at_corners.len()).filter(is_stop).map(|corner| planner.range.start + corner));
@@ -459,6 +461,20 @@ impl MotionPlanner<'_> {
         };
         let legs: Vec<Leg> = legs.map(leg).collect();
         blend::pulses(&legs, blends, self.machine.interpolator.look_ahead, self.range.start)
+    }
+
+    /// Returns the curves of the blends, which take no more of a leg than the pulses.
+    fn curves(&self, blends: &[Blend]) -> impl Iterator<Item = CornerCurve> {
+        let of_corner = |i: usize| {
+            let blend = &blends[i];
+            let begun = blends[i - 1].distances[1].min(self.length(i - 1));
+            let distances =
+                [blend.distances[0].min(self.length(i - 1) - begun), blend.distances[1].min(self.length(i))];
+            let segment = (self.range.start + i - 1) as u32;
+            let is_parabola = blend.is_parabola();
+            (distances != [0.0; 2]).then_some(CornerCurve { segment, distances, is_parabola })
+        };
+        (1..blends.len() - 1).filter_map(of_corner)
     }
 
     /// Returns the ramp of constant jerk by which the command of a segment changes; `None` if its jerk is not

@@ -7,10 +7,10 @@
 //! in proportion to its length, and distances refer to the program.
 //!
 //! Limits: positions refer to the program; the machine's differ from them by as much as the substitute
-//! leaves the path of the program.
+//! leaves the path of the program. A curve in place of a corner replaces at most one segment on either side of it.
 
 use crate::machine::SpindleState;
-use crate::simulation::feed::{CornerPolicy, FeedPlan, Phase, Pulse, Pulses, RestToRest};
+use crate::simulation::feed::{CornerCurve, CornerPolicy, FeedPlan, Phase, Pulse, Pulses, RestToRest};
 use crate::simulation::toolpath::{PathMode, Segment, Stop, Toolpath};
 
 /// A toolpath to plan in place of the program's, with the part of the program that each segment covers.
@@ -130,6 +130,7 @@ impl Substitute {
             filters: plan.filters,
             corner_feedrates: vec![f64::INFINITY; segments],
             segment_feedrates: vec![f64::INFINITY; segments],
+            corner_curves: plan.corner_curves.iter().filter_map(|curve| self.curve(curve, program)).collect(),
             time_scaling: None,
         };
         spread.pulses.try_reserve_exact(plan.pulses.len() + segments).ok();
@@ -165,6 +166,21 @@ impl Substitute {
             }));
         }
         spread
+    }
+
+    /// Returns a curve of the substitute as a curve of the program, which takes no more than one segment on either side;
+    /// `None` if the corner is within a segment of the program.
+    fn curve(&self, curve: &CornerCurve, program: &Toolpath) -> Option<CornerCurve> {
+        let before = curve.segment as usize;
+        let [first, second] = [self.covers[before], self.covers[before + 1]];
+        if first.last == second.first {
+            return None;
+        }
+        let distances = [0, 1].map(|side| self.ratio(before + side) * curve.distances[side]);
+        let room = [first.last, second.first].map(|segment| program.segments.length(segment));
+        let share = [0, 1].map(|side| room[side] / distances[side]).into_iter().fold(1.0, f64::min);
+        let segment = first.last as u32;
+        Some(CornerCurve { segment, distances: distances.map(|distance| share * distance), ..*curve })
     }
 
     /// Returns S/l: the length along the program over the length that is run.

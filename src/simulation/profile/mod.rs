@@ -27,7 +27,9 @@ pub use state::{Dynamics, Moment, MotionState};
 pub use steps::RememberedSteps;
 pub(crate) use time_scaling::time_scaled;
 
-use crate::simulation::feed::{FeedPlan, Knot, Phase, Pulses, RestToRest, time_scaling::lost_time};
+use crate::simulation::feed::{
+    CornerCurve, FeedPlan, Knot, Phase, Pulses, RestToRest, time_scaling::lost_time,
+};
 use crate::simulation::filter::FilterChain;
 use crate::simulation::profile::moments::MomentTree;
 use crate::simulation::profile::prefix_sums::{PrefixSums, SumCheckpoints};
@@ -56,6 +58,7 @@ pub struct FilteredMotion<'a> {
     distances: &'a SumCheckpoints,
     pulse_starts: &'a SumCheckpoints,
     clusters: &'a MomentTree,
+    corner_curves: &'a [CornerCurve],
     first_pulse: usize,
     /// One past the last pulse.
     end_pulse: usize,
@@ -156,6 +159,7 @@ impl<'a> Profile<'a> {
             distances: &self.distances,
             pulse_starts: &self.pulse_starts,
             clusters: &self.clusters,
+            corner_curves: &self.plan.corner_curves,
             first_pulse: rest_to_rest.pulses.start,
             end_pulse: rest_to_rest.pulses.end,
             knots: self.plan.knots(rest_to_rest),

@@ -14,6 +14,10 @@
 //! integrals are taken by Gauss-Legendre quadrature between the knots of h, over angles so small that its
 //! error is below rounding. Clusters of short pulses are added as a whole.
 //!
+//! Where a curve replaces a corner ([`CornerCurve`]), the tool is on the curve, at the same distance along the programmed
+//! path. The filters of such a control are so short that they change nothing there. Limits: acceleration and jerk are
+//! those along the programmed path.
+//!
 //! The formulas contain ages and never the time since the start, so that a long program loses no digits.
 //!
 //! ```text
@@ -23,6 +27,7 @@
 //!                   window                      now: elapsed since pulse i began
 //! ```
 
+use crate::simulation::feed::CornerCurve;
 use crate::simulation::filter::{Expansion, FilterChain};
 use crate::simulation::profile::FilteredMotion;
 use crate::simulation::profile::moments::PulseCluster;
@@ -155,11 +160,48 @@ impl FilteredMotion<'_> {
             *sums.1 += arrived;
             *sums.2 += arrives;
         });
-        MotionState {
+        let feedrate = sums.0.feedrate;
+        let state = MotionState {
             distance: distance_before(oldest.segment) + oldest.offset + sums.0.distance,
             position: self.segments.point(oldest.segment, oldest.offset) + travel,
             velocity,
+        };
+        match self.on_corner_curve(self.pulses.segment(moment.pulse), state.distance, distance_before) {
+            Some((position, derivative)) => {
+                MotionState { position, velocity: feedrate * derivative, ..state }
+            }
+            None => state,
         }
+    }
+
+    /// Returns the position of the tool (mm) on the curve in place of a corner, and its derivative by the distance; `None`
+    /// if there is no curve at this distance along the programmed path (mm), which the command has passed on its way to
+    /// `segment`.
+    fn on_corner_curve(
+        &self,
+        mut segment: usize,
+        distance: f64,
+        distance_before: &mut dyn FnMut(usize) -> f64,
+    ) -> Option<(Point, Vector)> {
+        if self.corner_curves.is_empty() {
+            return None;
+        }
+        let mut offset = distance - distance_before(segment);
+        while offset < 0.0 && 0 < segment {
+            segment -= 1;
+            offset = distance - distance_before(segment);
+        }
+        // The curves at the end of the segment before and of this one, if there are any.
+        let next = self.corner_curves.partition_point(|curve| (curve.segment as usize) + 1 < segment);
+        let from_corner = |curve: &CornerCurve| match curve.segment as usize == segment {
+            true => offset - self.segments.length(segment),
+            false => offset,
+        };
+        let near = self.corner_curves[next..].iter().take_while(|curve| curve.segment as usize <= segment);
+        let is_on = |s: f64, curve: &CornerCurve| -curve.distances[0] < s && s < curve.distances[1];
+        near.map(|curve| (from_corner(curve), curve))
+            .find(|(s, curve)| is_on(*s, curve))
+            .map(|(s, curve)| curve.at(s, self.segments))
     }
 
     /// Returns the distance along the programmed path (mm) and its rate (mm/s); `distance_before` returns the
