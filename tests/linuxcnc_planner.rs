@@ -6,7 +6,9 @@ use truefeed::machine::{Junction, Machine, TimeConstants};
 use truefeed::project::machine_from_toml;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::interpreter::trace;
+use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::simulate;
+use truefeed::simulation::toolpath::Point;
 
 fn planner() -> Machine {
     machine_from_toml(include_str!("data/machines/linuxcnc.toml")).expect("the file is right")
@@ -153,4 +155,49 @@ fn a_leg_after_a_stop_at_a_corner_begins_when_the_filter_has_run_empty() {
     let leg = 2.0 * (1.0 / (0.9 * 500.0_f64)).sqrt() + 5e-4;
     let found = time(&format!("G21 G90 G61\n{stairs}M30\n"), &machine);
     assert!((found - 40.0 * leg).abs() < 1e-9, "{found} s, {} s", 40.0 * leg);
+}
+
+/// The tool at the corner of a program: the point of its path that is nearest to it, mm.
+fn nearest_to(corner: Point, program: &str, machine: &Machine) -> f64 {
+    let toolpath = trace(&read(program.as_bytes()), machine);
+    let plan = simulate(&toolpath, machine);
+    let samples = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
+    let [x, y, z] = &samples.position;
+    let apart = |row: usize| (Point::new(x[row], y[row], z[row]) - corner).norm();
+    (0..samples.time.len()).map(apart).fold(f64::INFINITY, f64::min)
+}
+
+/// Both curves are as wide as the tolerance ε allows. A parabola with the acceleration a along each leg begins at
+/// v² = 4 √2 a ε, replaces d = v²/2a = 2 √2 ε of each leg, and has d/4 = ε/√2 of both left beside the corner.
+#[test]
+fn a_blend_passes_the_corner_within_its_tolerance() {
+    let mut machine = planner();
+    machine.axes.iter_mut().for_each(|axis| (axis.acceleration, axis.velocity) = (1000.0, 200.0));
+    for junction in [Junction::ParabolicBlend, Junction::AccelerationBlend] {
+        machine.interpolator.junction = junction;
+        for tolerance in [0.02, 0.3] {
+            let program = format!("G21 G64 P{tolerance}\nG1 X40 F9000\nY40");
+            let found = nearest_to(Point::new(40.0, 0.0, 0.0), &program, &machine);
+            assert!(
+                (0.99 * tolerance..1.001 * tolerance).contains(&found),
+                "{junction:?}: {found} of {tolerance} mm"
+            );
+        }
+    }
+}
+
+/// G64 Q leaves the points out that are within Q of a line, and the tool is on that line.
+#[test]
+fn the_tool_is_on_the_line_that_replaces_merged_ones() {
+    let machine = planner();
+    let top = |q: f64| {
+        nearest_to(
+            Point::new(20.0, 0.05, 0.0),
+            &format!("G21 G64 P0.001 Q{q}\nG1 X20 Y0.05 F3000\nX40 Y0"),
+            &machine,
+        )
+    };
+    let [merged, own] = [0.06, 0.001].map(top);
+    assert!((merged - 0.05).abs() < 1e-6, "{merged} mm from the point that is left out");
+    assert!(own < 2e-3, "{own} mm from the corner");
 }

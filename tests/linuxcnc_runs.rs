@@ -74,9 +74,15 @@ fn runs_take_the_time_and_have_the_feedrate_that_is_predicted() {
         let feed = comparison.feed.expect("feed moves were recorded");
         let time = comparison.whole.simulated / comparison.whole.recorded - 1.0;
         let rms = feed.rms / feed.programmed;
-        eprintln!("run {run}: time {:+.3} %, feedrate {:.2} %", 1e2 * time, 1e2 * rms);
+        let apart = 1e3 * comparison.position.expect("positions were recorded").rms;
+        eprintln!(
+            "run {run}: time {:+.3} %, feedrate {:.2} %, position {apart:.2} µm",
+            1e2 * time,
+            1e2 * rms
+        );
         assert!(time.abs() < 2e-3, "run {run}: {time}");
-        assert!(rms < 3e-3, "run {run}: {rms}");
+        assert!(rms < 1.5e-3, "run {run}: {rms}");
+        assert!(apart < 4.0, "run {run}: {apart} µm");
     }
 }
 

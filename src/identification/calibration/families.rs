@@ -13,7 +13,7 @@ use crate::machine::{Junction, Machine, Planner};
 
 /// A family of planners as a calibration tries it.
 #[derive(Clone, Copy)]
-struct Candidate {
+struct CandidateFamily {
     planner: Planner,
     /// `true` if the machine file's contour tolerance bounds its blends; `false` for blends that nothing bounds. No
     /// fit leads from one to the other.
@@ -35,8 +35,8 @@ pub fn guesses(
 ) -> Vec<Machine> {
     let mut plain = fitted.clone();
     plain.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
-    let guess = |candidate: Candidate| {
-        let Candidate { planner, keeps_tolerance, has_limited_axes } = candidate;
+    let guess = |candidate: CandidateFamily| {
+        let CandidateFamily { planner, keeps_tolerance, has_limited_axes } = candidate;
         let at = |acceleration: &f64| {
             let mut of = plain.clone();
             of.become_planner(planner, *acceleration);
@@ -66,11 +66,11 @@ pub fn guesses(
         let is_blended = planner == Planner::AccelerationBlend;
         let own = move |(keeps_tolerance, has_limited_axes): (bool, bool)| {
             let is_meant = is_blended || !keeps_tolerance && !has_limited_axes;
-            is_meant.then_some(Candidate { planner, keeps_tolerance, has_limited_axes })
+            is_meant.then_some(CandidateFamily { planner, keeps_tolerance, has_limited_axes })
         };
         [(false, false), (true, false), (false, true), (true, true)].into_iter().filter_map(own)
     });
-    let is_tried = |candidate: &Candidate| !candidate.has_limited_axes || limited.is_some();
+    let is_tried = |candidate: &CandidateFamily| !candidate.has_limited_axes || limited.is_some();
     candidates.filter(is_tried).filter_map(guess).collect()
 }
 

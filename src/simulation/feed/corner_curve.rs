@@ -1,18 +1,18 @@
 //! The curve that the tool follows in place of a corner, where legs are blended as LinuxCNC does.
 //!
 //! The curve replaces the last d1 of one leg and the first d2 of the next, measured along the programmed path, as
-//! s runs from −d1 to d2. Both are tangent to it. K is the corner; P1(x) is the first leg x before its end, P2(x) the
+//! s runs from −d1 to d2. It is tangent to lines. K is the corner; P1(x) is the first leg x before its end, P2(x) the
 //! second leg x behind its beginning.
 //!
 //! ```text
 //! parabola   P = P1(d1 (1 − τ)²) + P2(d2 τ²) − K      2 d1 τ + (d2 − d1) τ² = s + d1,  0 ≤ τ ≤ 1
-//! circle     the cubic between P1(d1) and P2(d2), uniform in s, with the derivatives m u1 and m u2 by (s + d1)/(d1 + d2)
-//!            m = 2 c tan(ψ/4)/sin(ψ/2)      c chord, u tangents, ψ angle between them
+//! circle     P = P1(d1) + R (sin φ u1 + (1 − cos φ) n) + φ/ψ e      φ = ψ (s + d1)/(d1 + d2),  R = c / (2 sin(ψ/2))
+//!            u tangents, ψ angle between them, n normal on the inside, c chord, e what the circle misses the second leg by
 //! ```
 //!
 //! τ is the share of the parabola's duration that has passed: the first leg brakes evenly to rest while the second
 //! speeds up evenly from rest. The speed along the programmed path is the sum of both speeds; that of the tool is less.
-//! A cubic of these derivatives is within 3·10⁻⁴ of the radius of the circle of a right angle.
+//! Between lines e is 0.
 //!
 //! ```text
 //!   ------·.         P1(d1) to the left; the tool leaves the leg there
@@ -21,9 +21,13 @@
 //! ```
 //!
 //! Limits: of a second leg that reaches its feedrate before the first has stopped, the constant speed afterwards is
-//! spread over the whole parabola. Source: the laws of `corner_blend`; the cubic is the usual one for arcs.
+//! spread over the whole parabola. A circle beside an arc is that of two tangents, which touches the arc at a small angle.
+//! Source: the laws of `corner_blend`.
 
 use crate::simulation::toolpath::{Point, Segments, Vector};
+
+/// Angle below which a circle counts as its chord, rad.
+const MIN_ANGLE_RAD: f64 = 1e-6;
 
 /// A curve in place of the corner behind a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +38,28 @@ pub struct CornerCurve {
     pub distances: [f64; 2],
     /// `true` for a parabola, `false` for a circle.
     pub is_parabola: bool,
+}
+
+/// Returns the position of the tool (mm) on the curve in place of a corner, at the distance `offset` from the start of a
+/// segment (mm), and its derivative by that distance; `None` if there is no curve. `curves` are in the order of their
+/// segments.
+pub fn on_curve(
+    curves: &[CornerCurve],
+    segment: usize,
+    offset: f64,
+    segments: &Segments,
+) -> Option<(Point, Vector)> {
+    // The curves at the end of the segment before and of this one, if there are any.
+    let first = curves.partition_point(|curve| (curve.segment as usize) + 1 < segment);
+    let near = curves[first..].iter().take_while(|curve| curve.segment as usize <= segment);
+    let from_corner = |curve: &CornerCurve| match curve.segment as usize == segment {
+        true => offset - segments.length(segment),
+        false => offset,
+    };
+    let is_on = |s: f64, curve: &CornerCurve| -curve.distances[0] < s && s < curve.distances[1];
+    near.map(|curve| (from_corner(curve), curve))
+        .find(|(s, curve)| is_on(*s, curve))
+        .map(|(s, curve)| curve.at(s, segments))
 }
 
 impl CornerCurve {
@@ -60,19 +86,21 @@ impl CornerCurve {
     fn on_circle(&self, passed: f64, segments: &Segments) -> (Point, Vector) {
         let [d1, d2] = self.distances;
         let ((begin, u1), (end, u2)) = (self.before(d1, segments), self.behind(d2, segments));
-        let chord = end - begin;
-        let half_angle = (u2 - u1).norm().atan2((u2 + u1).norm());
-        let reach = match half_angle {
-            0.0 => chord.norm(),
-            half => 2.0 * chord.norm() * (0.5 * half).tan() / half.sin(),
+        let (chord, share) = (end - begin, passed / (d1 + d2));
+        let angle = 2.0 * (u2 - u1).norm().atan2((u2 + u1).norm());
+        let inwards = (u2 - u1.dot(&u2) * u1).normalize();
+        if angle < MIN_ANGLE_RAD || !inwards.iter().all(|part| part.is_finite()) {
+            return (begin + share * chord, chord / (d1 + d2));
+        }
+        let radius = 0.5 * chord.norm() / (0.5 * angle).sin();
+        let travel = |share: f64| {
+            let (sin, cos) = (share * angle).sin_cos();
+            radius * (sin * u1 + (1.0 - cos) * inwards)
         };
-        let f = passed / (d1 + d2);
-        let (f2, f3) = (f * f, f * f * f);
-        let position =
-            begin + chord * (3.0 * f2 - 2.0 * f3) + reach * (u1 * (f - 2.0 * f2 + f3) + u2 * (f3 - f2));
-        let derivative =
-            chord * (6.0 * (f - f2)) + reach * (u1 * (1.0 - 4.0 * f + 3.0 * f2) + u2 * (3.0 * f2 - 2.0 * f));
-        (position, derivative / (d1 + d2))
+        let (sin, cos) = (share * angle).sin_cos();
+        let missing = chord - travel(1.0);
+        let derivative = radius * angle * (cos * u1 + sin * inwards) + missing;
+        (begin + travel(share) + share * missing, derivative / (d1 + d2))
     }
 
     /// Returns the point of the first leg `distance` (mm) before the corner, mm, and the tangent there.
@@ -100,16 +128,17 @@ mod tests {
         trace(&read(program), &Machine::default()).segments
     }
 
+    const LINES: &[u8] = b"G21 G90 G1 X10 F1000\nX14 Y8";
     const LINE_AND_ARC: &[u8] = b"G21 G90 G1 X10 F1000\nG3 X20 Y10 J10";
 
     /// The derivative is that of the position, and the curve begins and ends on the path, along it.
     #[test]
     fn a_curve_goes_on_where_the_legs_leave_it() {
-        for program in [&b"G21 G90 G1 X10 F1000\nX14 Y8"[..], LINE_AND_ARC] {
+        let parabolas = [[1.0, 1.0], [0.5, 2.0], [2.0, 0.0]].map(|distances| (true, distances));
+        let on_lines = [&parabolas[..], &[(false, [1.0, 1.0])]].concat();
+        for (program, curves) in [(LINES, &on_lines[..]), (LINE_AND_ARC, &parabolas)] {
             let segments = path(program);
-            for (is_parabola, distances) in
-                [(false, [1.0, 1.0]), (true, [1.0, 1.0]), (true, [0.5, 2.0]), (true, [2.0, 0.0])]
-            {
+            for &(is_parabola, distances) in curves {
                 let curve = CornerCurve { segment: 0, distances, is_parabola };
                 let (begin, before) = curve.at(-distances[0], &segments);
                 let (end, behind) = curve.at(distances[1], &segments);
@@ -147,12 +176,11 @@ mod tests {
         for part in 0..=20 {
             let (position, derivative) = curve.at(-2.0 + 0.2 * f64::from(part), &segments);
             let radius = (position - Point::new(8.0, 2.0, 0.0)).norm();
-            assert!((radius - 2.0).abs() < 6e-4, "{radius}");
-            assert!((derivative.norm() / speed - 1.0).abs() < 0.01, "{}", derivative.norm() / speed);
+            assert!((radius - 2.0).abs() < 1e-12, "{radius}");
+            assert!((derivative.norm() - speed).abs() < 1e-12, "{}", derivative.norm());
         }
     }
 
-    /// A parabola that ends at once on the second leg: all speed is that of the first.
     #[test]
     fn a_line_that_goes_straight_on_has_a_straight_curve() {
         let segments = path(b"G21 G90 G1 X10 F1000\nX20 F500");

@@ -49,6 +49,7 @@ mod cruise;
 mod halts;
 pub mod junction;
 pub mod limits;
+mod merged_path;
 mod override_span;
 mod positioning;
 mod pulses;
@@ -60,7 +61,8 @@ mod rest_to_rest;
 mod substitute;
 mod tolerances;
 
-pub use corner_curve::CornerCurve;
+pub use corner_curve::{CornerCurve, on_curve};
+pub use merged_path::MergedPath;
 pub use pulses::Pulses;
 pub use smoothing::rounding;
 pub use time_scaling::{FilteredTime, Knot, TimeScaling};
@@ -133,8 +135,11 @@ pub struct FeedPlan {
     pub corner_feedrates: Vec<f64>,
     /// Command along each segment between its corners, mm/s.
     pub segment_feedrates: Vec<f64>,
-    /// Curves in place of corners, in the order of their segments; empty unless the control blends corners in time.
+    /// Curves in place of corners, in the order of their segments: those of the merged path if there is one, otherwise
+    /// those of the program. Empty unless the control blends corners in time.
     pub corner_curves: Vec<CornerCurve>,
+    /// The path with its merged lines; `None` if the control merges none.
+    pub merged_path: Option<MergedPath>,
     /// Time lost behind the filters through acceleration limits; `None` if they cost nothing.
     pub time_scaling: Option<TimeScaling>,
 }

@@ -6,11 +6,13 @@
 //! with distances and feedrates multiplied by S/l: the substitute gives the time, each block has a share of it
 //! in proportion to its length, and distances refer to the program.
 //!
-//! Limits: positions refer to the program; the machine's differ from them by as much as the substitute
-//! leaves the path of the program. A curve in place of a corner replaces at most one segment on either side of it.
+//! Limits: positions along chords refer to the arcs of the program, from which the machine's differ by as much as the
+//! chords do; those along merged lines refer to these lines ([`MergedPath`]).
 
 use crate::machine::SpindleState;
-use crate::simulation::feed::{CornerCurve, CornerPolicy, FeedPlan, Phase, Pulse, Pulses, RestToRest};
+use crate::simulation::feed::{
+    CornerCurve, CornerPolicy, FeedPlan, MergedPath, Phase, Pulse, Pulses, RestToRest,
+};
 use crate::simulation::toolpath::{PathMode, Segment, Stop, Toolpath};
 
 /// A toolpath to plan in place of the program's, with the part of the program that each segment covers.
@@ -123,6 +125,7 @@ impl Substitute {
     /// Returns the plan of the substitute as a plan of the program.
     fn spread(&self, plan: FeedPlan, program: &Toolpath) -> FeedPlan {
         let segments = program.segments.len();
+        let (corner_curves, merged_path) = self.run_path(plan.corner_curves, plan.merged_path);
         let mut spread = FeedPlan {
             start: plan.start,
             phases: Vec::with_capacity(plan.phases.len()),
@@ -130,7 +133,8 @@ impl Substitute {
             filters: plan.filters,
             corner_feedrates: vec![f64::INFINITY; segments],
             segment_feedrates: vec![f64::INFINITY; segments],
-            corner_curves: plan.corner_curves.iter().filter_map(|curve| self.curve(curve, program)).collect(),
+            corner_curves,
+            merged_path,
             time_scaling: None,
         };
         spread.pulses.try_reserve_exact(plan.pulses.len() + segments).ok();
@@ -168,23 +172,29 @@ impl Substitute {
         spread
     }
 
-    /// Returns a curve of the substitute as a curve of the program, which takes no more than one segment on either side;
-    /// `None` if the corner is within a segment of the program.
-    fn curve(&self, curve: &CornerCurve, program: &Toolpath) -> Option<CornerCurve> {
-        let before = curve.segment as usize;
-        let [first, second] = [self.covers[before], self.covers[before + 1]];
-        if first.last == second.first {
-            return None;
+    /// Returns the curves of the corners and the merged path of the program, from those of the substitute's plan.
+    fn run_path(
+        &self,
+        curves: Vec<CornerCurve>,
+        merged: Option<MergedPath>,
+    ) -> (Vec<CornerCurve>, Option<MergedPath>) {
+        if merged.is_some() {
+            // Distances along the program are those along the substitute, unless that has other lengths.
+            let is_as_long = (0..self.covers.len()).all(|index| (self.ratio(index) - 1.0).abs() < 1e-9);
+            return if is_as_long { (curves, merged) } else { Default::default() };
         }
-        let distances = [0, 1].map(|side| self.ratio(before + side) * curve.distances[side]);
-        let room = [first.last, second.first].map(|segment| program.segments.length(segment));
-        let share = [0, 1].map(|side| room[side] / distances[side]).into_iter().fold(1.0, f64::min);
-        let segment = first.last as u32;
-        Some(CornerCurve { segment, distances: distances.map(|distance| share * distance), ..*curve })
+        if self.covers.iter().any(|cover| cover.first < cover.last) {
+            return (curves, Some(MergedPath::of(self)));
+        }
+        let of_program = |curve: CornerCurve| {
+            let [before, after] = [0, 1].map(|by| self.covers[curve.segment as usize + by].last);
+            (before < after).then_some(CornerCurve { segment: before as u32, ..curve })
+        };
+        (curves.into_iter().filter_map(of_program).collect(), None)
     }
 
     /// Returns S/l: the length along the program over the length that is run.
-    fn ratio(&self, index: usize) -> f64 {
+    pub fn ratio(&self, index: usize) -> f64 {
         let (run, written) = (self.toolpath.segments.length(index), self.covers[index].length);
         if run == written { 1.0 } else { written / run }
     }

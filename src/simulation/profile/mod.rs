@@ -28,7 +28,7 @@ pub use steps::RememberedSteps;
 pub(crate) use time_scaling::time_scaled;
 
 use crate::simulation::feed::{
-    CornerCurve, FeedPlan, Knot, Phase, Pulses, RestToRest, time_scaling::lost_time,
+    CornerCurve, FeedPlan, Knot, MergedPath, Phase, Pulses, RestToRest, time_scaling::lost_time,
 };
 use crate::simulation::filter::FilterChain;
 use crate::simulation::profile::moments::MomentTree;
@@ -59,6 +59,7 @@ pub struct FilteredMotion<'a> {
     pulse_starts: &'a SumCheckpoints,
     clusters: &'a MomentTree,
     corner_curves: &'a [CornerCurve],
+    merged_path: Option<&'a MergedPath>,
     first_pulse: usize,
     /// One past the last pulse.
     end_pulse: usize,
@@ -160,6 +161,7 @@ impl<'a> Profile<'a> {
             pulse_starts: &self.pulse_starts,
             clusters: &self.clusters,
             corner_curves: &self.plan.corner_curves,
+            merged_path: self.plan.merged_path.as_ref(),
             first_pulse: rest_to_rest.pulses.start,
             end_pulse: rest_to_rest.pulses.end,
             knots: self.plan.knots(rest_to_rest),

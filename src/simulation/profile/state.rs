@@ -14,9 +14,10 @@
 //! integrals are taken by Gauss-Legendre quadrature between the knots of h, over angles so small that its
 //! error is below rounding. Clusters of short pulses are added as a whole.
 //!
-//! Where a curve replaces a corner ([`CornerCurve`]), the tool is on the curve, at the same distance along the programmed
-//! path. The filters of such a control are so short that they change nothing there. Limits: acceleration and jerk are
-//! those along the programmed path.
+//! Where a curve replaces a corner ([`CornerCurve`](crate::simulation::feed::CornerCurve)), the tool is on the curve, and
+//! where lines are merged ([`MergedPath`](crate::simulation::feed::MergedPath)), on the merged line, at the same distance
+//! along the programmed path. The filters of such a control are so short that they change nothing there. Limits:
+//! acceleration and jerk are those along the programmed path.
 //!
 //! The formulas contain ages and never the time since the start, so that a long program loses no digits.
 //!
@@ -27,7 +28,7 @@
 //!                   window                      now: elapsed since pulse i began
 //! ```
 
-use crate::simulation::feed::CornerCurve;
+use crate::simulation::feed::on_curve;
 use crate::simulation::filter::{Expansion, FilterChain};
 use crate::simulation::profile::FilteredMotion;
 use crate::simulation::profile::moments::PulseCluster;
@@ -166,7 +167,7 @@ impl FilteredMotion<'_> {
             position: self.segments.point(oldest.segment, oldest.offset) + travel,
             velocity,
         };
-        match self.on_corner_curve(self.pulses.segment(moment.pulse), state.distance, distance_before) {
+        match self.off_programmed_path(self.pulses.segment(moment.pulse), state.distance, distance_before) {
             Some((position, derivative)) => {
                 MotionState { position, velocity: feedrate * derivative, ..state }
             }
@@ -174,15 +175,23 @@ impl FilteredMotion<'_> {
         }
     }
 
-    /// Returns the position of the tool (mm) on the curve in place of a corner, and its derivative by the distance; `None`
-    /// if there is no curve at this distance along the programmed path (mm), which the command has passed on its way to
-    /// `segment`.
-    fn on_corner_curve(
+    /// Returns `true` if the control leaves the programmed path at corners or along merged lines.
+    pub(super) fn leaves_programmed_path(&self) -> bool {
+        !self.corner_curves.is_empty() || self.merged_path.is_some()
+    }
+
+    /// Returns the position of the tool (mm) off the programmed path, on a corner curve or a merged line, and its derivative
+    /// by the distance; `None` on the programmed path. The command has passed this distance along the programmed path (mm)
+    /// on its way to `segment`.
+    fn off_programmed_path(
         &self,
         mut segment: usize,
         distance: f64,
         distance_before: &mut dyn FnMut(usize) -> f64,
     ) -> Option<(Point, Vector)> {
+        if let Some(merged) = self.merged_path {
+            return Some(merged.at(distance, self.corner_curves));
+        }
         if self.corner_curves.is_empty() {
             return None;
         }
@@ -191,17 +200,7 @@ impl FilteredMotion<'_> {
             segment -= 1;
             offset = distance - distance_before(segment);
         }
-        // The curves at the end of the segment before and of this one, if there are any.
-        let next = self.corner_curves.partition_point(|curve| (curve.segment as usize) + 1 < segment);
-        let from_corner = |curve: &CornerCurve| match curve.segment as usize == segment {
-            true => offset - self.segments.length(segment),
-            false => offset,
-        };
-        let near = self.corner_curves[next..].iter().take_while(|curve| curve.segment as usize <= segment);
-        let is_on = |s: f64, curve: &CornerCurve| -curve.distances[0] < s && s < curve.distances[1];
-        near.map(|curve| (from_corner(curve), curve))
-            .find(|(s, curve)| is_on(*s, curve))
-            .map(|(s, curve)| curve.at(s, self.segments))
+        on_curve(self.corner_curves, segment, offset, self.segments)
     }
 
     /// Returns the distance along the programmed path (mm) and its rate (mm/s); `distance_before` returns the

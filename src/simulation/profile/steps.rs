@@ -59,9 +59,8 @@ impl<'a> RememberedSteps<'a> {
 
     /// Returns the state by the sum over borders; `None` if that sum does not apply.
     fn sum(&mut self, moment: Moment) -> Option<MotionState> {
-        let FilteredMotion { pulses, filter, first_pulse, end_pulse, clusters, corner_curves, .. } =
-            self.cursor.motion;
-        if !clusters.is_empty() || !corner_curves.is_empty() {
+        let FilteredMotion { pulses, filter, first_pulse, end_pulse, clusters, .. } = self.cursor.motion;
+        if !clusters.is_empty() || self.cursor.motion.leaves_programmed_path() {
             return None;
         }
         let since_end = moment.elapsed - pulses.duration(moment.pulse);
