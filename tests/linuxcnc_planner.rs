@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use truefeed::machine::{Junction, Machine, TimeConstants};
+use truefeed::machine::{CornerMode, Junction, Machine, TimeConstants};
 use truefeed::project::machine_from_toml;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::interpreter::trace;
@@ -200,4 +200,14 @@ fn the_tool_is_on_the_line_that_replaces_merged_ones() {
     let [merged, own] = [0.06, 0.001].map(top);
     assert!((merged - 0.05).abs() < 1e-6, "{merged} mm from the point that is left out");
     assert!(own < 2e-3, "{own} mm from the corner");
+}
+
+/// Blends keep their tolerance by themselves: the mode that corrects filtered paths changes nothing.
+#[test]
+fn the_guaranteed_mode_leaves_blends_alone() {
+    let program = "G21 G64 P0.01 Q0.05\nG1 X20 Y0.03 F3000\nX40 Y0\nY20\nG3 X30 Y30 I-10\nG1 X0";
+    let mut machine = planner();
+    let paper = time(program, &machine);
+    machine.interpolator.corner_mode = CornerMode::Guaranteed;
+    assert_eq!(time(program, &machine), paper);
 }

@@ -71,11 +71,12 @@ fn planned(
 ) -> (FeedPlan, Option<ContourErrors>) {
     let isolated = command(toolpath, machine, tolerances.into());
     let (plan, errors) = match machine.interpolator.corner_mode {
-        CornerMode::Paper => (isolated, None),
-        CornerMode::Guaranteed => {
+        // Blends are within the tolerance by themselves, and a slower one is no smaller.
+        CornerMode::Guaranteed if !machine.interpolator.junction.blends_in_time() => {
             let (plan, errors) = guaranteed(toolpath, machine, tolerances, isolated, progress);
             (plan, Some(errors))
         }
+        _ => (isolated, None),
     };
     (time_scaled(toolpath, machine, plan), errors)
 }

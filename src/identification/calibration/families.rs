@@ -55,10 +55,15 @@ pub fn guesses(
         let grid = ramps.flat_map(|of| with_rapids(planner, &of, machine, fitted, plateaus));
         let nearest_ramps = nearest(grid, runs, whitenings)?;
         let corners = JUNCTION_RATIOS.map(|ratio| nearest_ramps.with_scaled_junction(ratio));
-        let found = nearest(corners, runs, whitenings)?;
         match planner {
-            Planner::AccelerationBlend => nearest(with_circles(&found), runs, whitenings),
-            _ => Some(found),
+            // What bounds nothing has no size.
+            Planner::AccelerationBlend if !keeps_tolerance => {
+                nearest(with_circles(&nearest_ramps), runs, whitenings)
+            }
+            Planner::AccelerationBlend => {
+                nearest(with_circles(&nearest(corners, runs, whitenings)?), runs, whitenings)
+            }
+            _ => nearest(corners, runs, whitenings),
         }
     };
     let limited = plateaus.and_then(|seen| seen.limited_to_fastest(&plain));

@@ -138,7 +138,7 @@ pub struct FeedPlan {
     /// Curves in place of corners, in the order of their segments: those of the merged path if there is one, otherwise
     /// those of the program. Empty unless the control blends corners in time.
     pub corner_curves: Vec<CornerCurve>,
-    /// The path with its merged lines; `None` if the control merges none.
+    /// The path with its merged lines; `None` if the control merges none or has filters.
     pub merged_path: Option<MergedPath>,
     /// Time lost behind the filters through acceleration limits; `None` if they cost nothing.
     pub time_scaling: Option<TimeScaling>,
@@ -265,6 +265,8 @@ fn plan_of_segments(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy
             let (without, holds) = halts::feed_holds_apart(machine);
             let mut plan = merged
                 .planned(toolpath, policy, |toolpath, policy| plan_as_written(toolpath, &without, policy));
+            // Filters are laid over the programmed path alone.
+            plan.merged_path = plan.merged_path.filter(|_| machine.interpolator.junction.blends_in_time());
             if let Some(holds) = holds {
                 HaltSchedule::of(toolpath, &holds).put_into(&mut plan, toolpath, &holds);
             }
