@@ -32,60 +32,65 @@ const MIN_ANGLE_RAD: f64 = 1e-6;
 /// A curve in place of the corner behind a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerCurve {
-    /// Index of the segment that the corner ends.
-    pub segment: u32,
-    /// d1, d2: the lengths of the path that the curve replaces before and behind the corner, mm.
+    /// d1, d2: the lengths of the path that the curve replaces before and behind the corner, mm; both 0 if there is no
+    /// curve.
     pub distances: [f64; 2],
     /// `true` for a parabola, `false` for a circle.
     pub is_parabola: bool,
 }
 
 /// Returns the position of the tool (mm) on the curve in place of a corner, at the distance `offset` from the start of a
-/// segment (mm), and its derivative by that distance; `None` if there is no curve. `curves` are in the order of their
-/// segments.
+/// segment (mm), and its derivative by that distance; `None` if there is no curve. `curves` has the curve behind each
+/// segment.
 pub fn on_curve(
     curves: &[CornerCurve],
     segment: usize,
     offset: f64,
     segments: &Segments,
 ) -> Option<(Point, Vector)> {
-    // The curves at the end of the segment before and of this one, if there are any.
-    let first = curves.partition_point(|curve| (curve.segment as usize) + 1 < segment);
-    let near = curves[first..].iter().take_while(|curve| curve.segment as usize <= segment);
-    let from_corner = |curve: &CornerCurve| match curve.segment as usize == segment {
-        true => offset - segments.length(segment),
-        false => offset,
-    };
-    let is_on = |s: f64, curve: &CornerCurve| -curve.distances[0] < s && s < curve.distances[1];
-    near.map(|curve| (from_corner(curve), curve))
-        .find(|(s, curve)| is_on(*s, curve))
-        .map(|(s, curve)| curve.at(s, segments))
+    let begun = segment.checked_sub(1).filter(|before| offset < curves[*before].distances[1]);
+    if let Some(before) = begun {
+        return Some(curves[before].at(offset, before, segments));
+    }
+    // By rounding, the offset may exceed the length.
+    let (to_end, ends) = ((segments.length(segment) - offset).max(0.0), &curves[segment]);
+    (to_end < ends.distances[0]).then(|| ends.at(-to_end, segment, segments))
 }
 
 impl CornerCurve {
-    /// Returns the position of the tool (mm) at the distance s along the programmed path from the corner (mm, −d1 to
-    /// d2), and its derivative by s.
-    pub fn at(&self, s: f64, segments: &Segments) -> (Point, Vector) {
+    /// The corner itself.
+    pub const NONE: CornerCurve = CornerCurve { distances: [0.0; 2], is_parabola: false };
+
+    /// Returns the position of the tool (mm) at the distance s along the programmed path from the corner behind a segment
+    /// (mm, −d1 to d2), and its derivative by s.
+    fn at(&self, s: f64, segment: usize, segments: &Segments) -> (Point, Vector) {
         let passed = (s + self.distances[0]).clamp(0.0, self.distances.iter().sum());
-        if self.is_parabola { self.on_parabola(passed, segments) } else { self.on_circle(passed, segments) }
+        if self.is_parabola {
+            self.on_parabola(passed, segment, segments)
+        } else {
+            self.on_circle(passed, segment, segments)
+        }
     }
 
-    fn on_parabola(&self, passed: f64, segments: &Segments) -> (Point, Vector) {
+    fn on_parabola(&self, passed: f64, segment: usize, segments: &Segments) -> (Point, Vector) {
         let [d1, d2] = self.distances;
         let root = (d1 * d1 + (d2 - d1) * passed).max(0.0).sqrt();
         let tau = if 0.0 < passed { passed / (d1 + root) } else { 0.0 };
-        let ((first, u1), (second, u2)) =
-            (self.before(d1 * (1.0 - tau).powi(2), segments), self.behind(d2 * tau * tau, segments));
-        let corner = segments.at(self.segment as usize).end;
+        let ((first, u1), (second, u2)) = (
+            before_end(d1 * (1.0 - tau).powi(2), segment, segments),
+            behind_start(d2 * tau * tau, segment + 1, segments),
+        );
+        let corner = segments.at(segment).end;
         // dτ/ds is 1 over twice the root.
         let [of_first, of_second] =
             if 0.0 < root { [d1 * (1.0 - tau) / root, d2 * tau / root] } else { [0.0, 1.0] };
         (first + (second - corner), of_first * u1 + of_second * u2)
     }
 
-    fn on_circle(&self, passed: f64, segments: &Segments) -> (Point, Vector) {
+    fn on_circle(&self, passed: f64, segment: usize, segments: &Segments) -> (Point, Vector) {
         let [d1, d2] = self.distances;
-        let ((begin, u1), (end, u2)) = (self.before(d1, segments), self.behind(d2, segments));
+        let ((begin, u1), (end, u2)) =
+            (before_end(d1, segment, segments), behind_start(d2, segment + 1, segments));
         let (chord, share) = (end - begin, passed / (d1 + d2));
         let angle = 2.0 * (u2 - u1).norm().atan2((u2 + u1).norm());
         let inwards = (u2 - u1.dot(&u2) * u1).normalize();
@@ -102,19 +107,19 @@ impl CornerCurve {
         let derivative = radius * angle * (cos * u1 + sin * inwards) + missing;
         (begin + travel(share) + share * missing, derivative / (d1 + d2))
     }
+}
 
-    /// Returns the point of the first leg `distance` (mm) before the corner, mm, and the tangent there.
-    fn before(&self, distance: f64, segments: &Segments) -> (Point, Vector) {
-        let leg = segments.at(self.segment as usize);
-        let offset = leg.length - distance;
-        (leg.point(offset), leg.tangent(offset))
-    }
+/// Returns the point `distance` (mm) before the end of a segment, mm, and the tangent there.
+fn before_end(distance: f64, segment: usize, segments: &Segments) -> (Point, Vector) {
+    let leg = segments.at(segment);
+    let offset = leg.length - distance;
+    (leg.point(offset), leg.tangent(offset))
+}
 
-    /// Returns the point of the second leg `distance` (mm) behind the corner, mm, and the tangent there.
-    fn behind(&self, distance: f64, segments: &Segments) -> (Point, Vector) {
-        let leg = segments.at(self.segment as usize + 1);
-        (leg.point(distance), leg.tangent(distance))
-    }
+/// Returns the point `distance` (mm) behind the start of a segment, mm, and the tangent there.
+fn behind_start(distance: f64, segment: usize, segments: &Segments) -> (Point, Vector) {
+    let leg = segments.at(segment);
+    (leg.point(distance), leg.tangent(distance))
 }
 
 #[cfg(test)]
@@ -139,9 +144,9 @@ mod tests {
         for (program, curves) in [(LINES, &on_lines[..]), (LINE_AND_ARC, &parabolas)] {
             let segments = path(program);
             for &(is_parabola, distances) in curves {
-                let curve = CornerCurve { segment: 0, distances, is_parabola };
-                let (begin, before) = curve.at(-distances[0], &segments);
-                let (end, behind) = curve.at(distances[1], &segments);
+                let curve = CornerCurve { distances, is_parabola };
+                let (begin, before) = curve.at(-distances[0], 0, &segments);
+                let (end, behind) = curve.at(distances[1], 0, &segments);
                 assert!((begin - segments.point(0, 10.0 - distances[0])).norm() < 1e-12);
                 assert!((end - segments.point(1, distances[1])).norm() < 1e-12);
                 assert!(before.cross(&segments.at(0).tangent(10.0)).norm() < 1e-9, "{before:?}");
@@ -150,9 +155,9 @@ mod tests {
                 }
                 for part in 1..20 {
                     let s = -distances[0] + f64::from(part) / 20.0 * (distances[0] + distances[1]);
-                    let [(earlier, _), (later, _)] = [-1e-6, 1e-6].map(|by| curve.at(s + by, &segments));
+                    let [(earlier, _), (later, _)] = [-1e-6, 1e-6].map(|by| curve.at(s + by, 0, &segments));
                     let quotient = (later - earlier) / 2e-6;
-                    assert!((quotient - curve.at(s, &segments).1).norm() < 1e-6, "{curve:?} at {s}");
+                    assert!((quotient - curve.at(s, 0, &segments).1).norm() < 1e-6, "{curve:?} at {s}");
                 }
             }
         }
@@ -162,8 +167,8 @@ mod tests {
     #[test]
     fn a_parabola_of_a_right_angle_passes_at_a_quarter_of_its_length() {
         let segments = path(b"G21 G90 G1 X10 F1000\nY10");
-        let curve = CornerCurve { segment: 0, distances: [2.0, 2.0], is_parabola: true };
-        let (position, derivative) = curve.at(0.0, &segments);
+        let curve = CornerCurve { distances: [2.0, 2.0], is_parabola: true };
+        let (position, derivative) = curve.at(0.0, 0, &segments);
         assert!((position - Point::new(9.5, 0.5, 0.0)).norm() < 1e-12, "{position}");
         assert!((derivative - Vector::new(0.5, 0.5, 0.0)).norm() < 1e-12, "{derivative}");
     }
@@ -171,10 +176,10 @@ mod tests {
     #[test]
     fn a_circle_keeps_its_radius_and_its_speed() {
         let segments = path(b"G21 G90 G1 X10 F1000\nY10");
-        let curve = CornerCurve { segment: 0, distances: [2.0, 2.0], is_parabola: false };
+        let curve = CornerCurve { distances: [2.0, 2.0], is_parabola: false };
         let speed = std::f64::consts::FRAC_PI_2 * 2.0 / 4.0;
         for part in 0..=20 {
-            let (position, derivative) = curve.at(-2.0 + 0.2 * f64::from(part), &segments);
+            let (position, derivative) = curve.at(-2.0 + 0.2 * f64::from(part), 0, &segments);
             let radius = (position - Point::new(8.0, 2.0, 0.0)).norm();
             assert!((radius - 2.0).abs() < 1e-12, "{radius}");
             assert!((derivative.norm() - speed).abs() < 1e-12, "{}", derivative.norm());
@@ -185,9 +190,9 @@ mod tests {
     fn a_line_that_goes_straight_on_has_a_straight_curve() {
         let segments = path(b"G21 G90 G1 X10 F1000\nX20 F500");
         for is_parabola in [false, true] {
-            let curve = CornerCurve { segment: 0, distances: [1.0, 1.0], is_parabola };
+            let curve = CornerCurve { distances: [1.0, 1.0], is_parabola };
             for s in [-0.7, 0.0, 0.4] {
-                let (position, derivative) = curve.at(s, &segments);
+                let (position, derivative) = curve.at(s, 0, &segments);
                 assert!((position - Point::new(10.0 + s, 0.0, 0.0)).norm() < 1e-12, "{position}");
                 assert!((derivative - Vector::x()).norm() < 1e-12);
             }

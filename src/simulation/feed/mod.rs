@@ -135,8 +135,8 @@ pub struct FeedPlan {
     pub corner_feedrates: Vec<f64>,
     /// Command along each segment between its corners, mm/s.
     pub segment_feedrates: Vec<f64>,
-    /// Curves in place of corners, in the order of their segments: those of the merged path if there is one, otherwise
-    /// those of the program. Empty unless the control blends corners in time.
+    /// The curve in place of the corner behind each segment: of the merged path if there is one, otherwise of the
+    /// program. Empty unless the control blends corners in time.
     pub corner_curves: Vec<CornerCurve>,
     /// The path with its merged lines; `None` if the control merges none or has filters.
     pub merged_path: Option<MergedPath>,

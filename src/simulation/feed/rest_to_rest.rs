@@ -463,18 +463,17 @@ impl MotionPlanner<'_> {
         blend::pulses(&legs, blends, self.machine.interpolator.look_ahead, self.range.start)
     }
 
-    /// Returns the curves of the blends, which take no more of a leg than the pulses.
+    /// Returns the curve behind each segment, which takes no more of it than its pulses.
     fn curves(&self, blends: &[Blend]) -> impl Iterator<Item = CornerCurve> {
-        let of_corner = |i: usize| {
-            let blend = &blends[i];
-            let begun = blends[i - 1].distances[1].min(self.length(i - 1));
-            let distances =
-                [blend.distances[0].min(self.length(i - 1) - begun), blend.distances[1].min(self.length(i))];
-            let segment = (self.range.start + i - 1) as u32;
-            let is_parabola = blend.is_parabola();
-            (distances != [0.0; 2]).then_some(CornerCurve { segment, distances, is_parabola })
+        let behind = |i: usize| {
+            let blend = &blends[i + 1];
+            let begun = blends[i].distances[1].min(self.length(i));
+            let before = blend.distances[0].min(self.length(i) - begun);
+            let after =
+                if i + 1 < self.range.len() { blend.distances[1].min(self.length(i + 1)) } else { 0.0 };
+            CornerCurve { distances: [before, after], is_parabola: blend.is_parabola() }
         };
-        (1..blends.len() - 1).filter_map(of_corner)
+        (0..self.range.len()).map(behind)
     }
 
     /// Returns the ramp of constant jerk by which the command of a segment changes; `None` if its jerk is not

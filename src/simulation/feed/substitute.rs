@@ -125,7 +125,7 @@ impl Substitute {
     /// Returns the plan of the substitute as a plan of the program.
     fn spread(&self, plan: FeedPlan, program: &Toolpath) -> FeedPlan {
         let segments = program.segments.len();
-        let (corner_curves, merged_path) = self.run_path(plan.corner_curves, plan.merged_path);
+        let (corner_curves, merged_path) = self.run_path(plan.corner_curves, plan.merged_path, program);
         let mut spread = FeedPlan {
             start: plan.start,
             phases: Vec::with_capacity(plan.phases.len()),
@@ -177,6 +177,7 @@ impl Substitute {
         &self,
         curves: Vec<CornerCurve>,
         merged: Option<MergedPath>,
+        program: &Toolpath,
     ) -> (Vec<CornerCurve>, Option<MergedPath>) {
         if merged.is_some() {
             // Distances along the program are those along the substitute, unless that has other lengths.
@@ -186,11 +187,15 @@ impl Substitute {
         if self.covers.iter().any(|cover| cover.first < cover.last) {
             return (curves, Some(MergedPath::of(self)));
         }
-        let of_program = |curve: CornerCurve| {
-            let [before, after] = [0, 1].map(|by| self.covers[curve.segment as usize + by].last);
-            (before < after).then_some(CornerCurve { segment: before as u32, ..curve })
-        };
-        (curves.into_iter().filter_map(of_program).collect(), None)
+        if curves.is_empty() {
+            return Default::default();
+        }
+        let mut of_program = vec![CornerCurve::NONE; program.segments.len()];
+        for (cover, curve) in self.covers.iter().zip(curves) {
+            // The last part of a segment comes last.
+            of_program[cover.last] = curve;
+        }
+        (of_program, None)
     }
 
     /// Returns S/l: the length along the program over the length that is run.

@@ -167,40 +167,37 @@ impl FilteredMotion<'_> {
             position: self.segments.point(oldest.segment, oldest.offset) + travel,
             velocity,
         };
-        match self.off_programmed_path(self.pulses.segment(moment.pulse), state.distance, distance_before) {
-            Some((position, derivative)) => {
-                MotionState { position, velocity: feedrate * derivative, ..state }
-            }
-            None => state,
-        }
+        self.on_run_path(state, feedrate, moment, distance_before)
     }
 
-    /// Returns `true` if the control leaves the programmed path at corners or along merged lines.
-    pub(super) fn leaves_programmed_path(&self) -> bool {
-        !self.corner_curves.is_empty() || self.merged_path.is_some()
-    }
-
-    /// Returns the position of the tool (mm) off the programmed path, on a corner curve or a merged line, and its derivative
-    /// by the distance; `None` on the programmed path. The command has passed this distance along the programmed path (mm)
-    /// on its way to `segment`.
-    fn off_programmed_path(
+    /// Returns a state with the tool on the path that the control runs: on the curve in place of a corner or on a merged
+    /// line, where there is one. `feedrate` is the rate of the distance (mm/s), at this moment.
+    pub(super) fn on_run_path(
         &self,
-        mut segment: usize,
-        distance: f64,
+        state: MotionState,
+        feedrate: f64,
+        moment: Moment,
         distance_before: &mut dyn FnMut(usize) -> f64,
-    ) -> Option<(Point, Vector)> {
-        if let Some(merged) = self.merged_path {
-            return Some(merged.at(distance, self.corner_curves));
-        }
-        if self.corner_curves.is_empty() {
-            return None;
-        }
-        let mut offset = distance - distance_before(segment);
-        while offset < 0.0 && 0 < segment {
-            segment -= 1;
-            offset = distance - distance_before(segment);
-        }
-        on_curve(self.corner_curves, segment, offset, self.segments)
+    ) -> MotionState {
+        let off = match self.merged_path {
+            Some(merged) => Some(merged.at(state.distance, self.corner_curves)),
+            None if self.corner_curves.is_empty() => None,
+            None => {
+                // The command has passed this distance on its way to the segment of the pulse.
+                let mut segment = self.pulses.segment(moment.pulse);
+                let mut offset = state.distance - distance_before(segment);
+                while offset < 0.0 && 0 < segment {
+                    segment -= 1;
+                    offset = state.distance - distance_before(segment);
+                }
+                on_curve(self.corner_curves, segment, offset, self.segments)
+            }
+        };
+        off.map_or(state, |(position, derivative)| MotionState {
+            position,
+            velocity: feedrate * derivative,
+            ..state
+        })
     }
 
     /// Returns the distance along the programmed path (mm) and its rate (mm/s); `distance_before` returns the

@@ -60,7 +60,7 @@ impl<'a> RememberedSteps<'a> {
     /// Returns the state by the sum over borders; `None` if that sum does not apply.
     fn sum(&mut self, moment: Moment) -> Option<MotionState> {
         let FilteredMotion { pulses, filter, first_pulse, end_pulse, clusters, .. } = self.cursor.motion;
-        if !clusters.is_empty() || self.cursor.motion.leaves_programmed_path() {
+        if !clusters.is_empty() {
             return None;
         }
         let since_end = moment.elapsed - pulses.duration(moment.pulse);
@@ -73,7 +73,7 @@ impl<'a> RememberedSteps<'a> {
             travel += arrived * step;
             rate += arrives * step;
             if border == first_pulse {
-                return Some(self.state_from(first_pulse, 0.0, travel, rate));
+                return Some(self.state_from((first_pulse, 0.0), travel, rate, moment));
             }
             border -= 1;
             age += pulses.duration(border);
@@ -84,19 +84,27 @@ impl<'a> RememberedSteps<'a> {
         let oldest = self.cursor.motion.even_rate(border)?;
         travel += filter.half_delay() * oldest;
         rate += oldest;
-        Some(self.state_from(border, oldest.w * (age - filter.delay()), travel, rate))
+        Some(self.state_from((border, oldest.w * (age - filter.delay())), travel, rate, moment))
     }
 
-    /// Returns the state of a tool that moves at `rate` and has travelled by `travel` (mm) since the command
-    /// one filter delay ago, which was `way` (mm) beyond the beginning of a pulse.
-    fn state_from(&mut self, pulse: usize, way: f64, travel: Rate, rate: Rate) -> MotionState {
-        let FilteredMotion { pulses, segments, .. } = self.cursor.motion;
+    /// Returns the state at a moment of a tool that moves at `rate` and has travelled by `travel` (mm) since the command
+    /// one filter delay ago, which was a way (mm) beyond the beginning of a pulse.
+    fn state_from(
+        &mut self,
+        (pulse, way): (usize, f64),
+        travel: Rate,
+        rate: Rate,
+        moment: Moment,
+    ) -> MotionState {
+        let MotionCursor { motion, distances, .. } = &mut self.cursor;
+        let FilteredMotion { pulses, segments, .. } = *motion;
         let (segment, offset) = (pulses.segment(pulse), pulses.offset(pulse) + way);
-        MotionState {
-            distance: self.cursor.distances.before(segment) + offset + travel.w,
+        let state = MotionState {
+            distance: distances.before(segment) + offset + travel.w,
             position: segments.point(segment, offset) + travel.xyz(),
             velocity: rate.xyz(),
-        }
+        };
+        motion.on_run_path(state, rate.w, moment, &mut |segment| distances.before(segment))
     }
 
     /// Returns the change of the command at a border; `None` unless both pulses are lines at an even command.
