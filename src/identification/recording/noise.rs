@@ -7,7 +7,7 @@ const SMALLER_HALF_RMS_SIGMAS: f64 = 0.3776;
 const DIFFERENCE_ORDERS: std::ops::RangeInclusive<usize> = 2..=4;
 
 /// Returns the standard deviation of the noise of a column: the least of the estimates from its differences of
-/// [`DIFFERENCE_ORDERS`].
+/// second to fourth order.
 ///
 /// The differences of order n of white noise are √(2n over n) times as large as the noise. Those of a motion shrink
 /// with the order: on an arc that turns by φ from one sample to the next they are φⁿ times the radius, so an arc
