@@ -3,6 +3,7 @@
 //! | acceptance test | what must hold |
 //! |---|---|
 //! | likelihood | the cost falls by more than `MIN_COST_REDUCTION` + k ln n, n sections of the path, not samples |
+//! | its own | the cost falls by as much beyond that of the assumed values fitted beside the candidate, taken without it |
 //! | held out | with the values that the others give a section is better, in most sections where it acts |
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
 //! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts; a halt changes none |
@@ -86,6 +87,12 @@ pub fn passed(
         return None;
     }
     let with = with_all(base, &together(&candidate, &others));
+    // What the values beside a cause explain without it is not its work.
+    let mut beside = current.clone();
+    candidate.beside.iter().for_each(|(freed, value)| freed.apply(&mut beside, *value));
+    if beside != *current && last.cost(&beside) - candidate.cost <= price {
+        return None;
+    }
     let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
     let explained = regions::moved(base, current, runs).0;
     if weight(current, &with, runs)

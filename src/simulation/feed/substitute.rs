@@ -199,7 +199,7 @@ impl Substitute {
     }
 
     /// Returns S/l: the length along the program over the length that is run.
-    pub fn ratio(&self, index: usize) -> f64 {
+    fn ratio(&self, index: usize) -> f64 {
         let (run, written) = (self.toolpath.segments.length(index), self.covers[index].length);
         if run == written { 1.0 } else { written / run }
     }
