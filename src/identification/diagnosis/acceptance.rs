@@ -88,9 +88,7 @@ pub fn passed(
     }
     let with = with_all(base, &together(&candidate, &others));
     // What the values beside a cause explain without it is not its work.
-    let mut beside = current.clone();
-    candidate.beside.iter().for_each(|(freed, value)| freed.apply(&mut beside, *value));
-    if beside != *current && last.cost(&beside) - candidate.cost <= price {
+    if last.cost(&with_beside(current, &candidate)) - candidate.cost <= price {
         return None;
     }
     let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
@@ -101,13 +99,8 @@ pub fn passed(
         return None;
     }
     let further = regions::moved(current, &with, runs).0;
-    let plc_words = candidate.hypothesis.plc_words;
-    if 0 < plc_words {
-        let believed = candidate.hypothesis.freed[0].handle.get(current).unwrap_or(0.0);
-        let each = candidate.hypothesis.wait_between(believed, candidate.values[0]).unwrap_or(0.0);
-        if !gates::is_beyond_chance(each, further, plc_words) {
-            return None;
-        }
+    if !is_beyond_plc(&candidate, current, further) {
+        return None;
     }
     // A cause that nearly cancels the others was fitted to the error of their laws.
     if further * explained < 0.0 && MAX_CANCELLED_PART * explained.abs() < further.abs() {
@@ -150,6 +143,24 @@ pub fn passed(
     let confidence = held_out.as_ref().map_or(1.0, HeldOut::share) / (1.0 + alike.len() as f64);
     let found = AcceptedCause { candidate, alike: alike.into_iter().collect(), held_out, confidence };
     (UNSURE <= confidence * odds(gain / dispersion, price)).then_some((found, others))
+}
+
+/// Returns `true` unless a candidate is a wait at words of a PLC that its cycles make as long or short by chance; `seconds`
+/// is the time that it explains.
+fn is_beyond_plc(candidate: &Candidate, current: &Machine, seconds: f64) -> bool {
+    let plc_words = candidate.hypothesis.plc_words;
+    let each = || {
+        let believed = candidate.hypothesis.freed[0].handle.get(current).unwrap_or(0.0);
+        candidate.hypothesis.wait_between(believed, candidate.values[0]).unwrap_or(0.0)
+    };
+    plc_words == 0 || gates::is_beyond_chance(each(), seconds, plc_words)
+}
+
+/// Returns the machine with the assumed values that were fitted beside a candidate, and without the candidate.
+fn with_beside(machine: &Machine, candidate: &Candidate) -> Machine {
+    let mut with = machine.clone();
+    candidate.beside.iter().for_each(|(freed, value)| freed.apply(&mut with, *value));
+    with
 }
 
 /// Returns the id of a rival of `named`, with its axis if both are of the same effect.
