@@ -15,8 +15,8 @@ use crate::machine::{Junction, Machine, Planner};
 #[derive(Clone, Copy)]
 struct CandidateFamily {
     planner: Planner,
-    /// `true` if the machine file's contour tolerance bounds its blends; `false` for blends that nothing bounds. No
-    /// fit leads from one to the other.
+    /// `true` if the machine file's contour tolerance bounds the blends; `false` if nothing does. A fit cannot change from
+    /// one to the other.
     keeps_tolerance: bool,
     /// `true` if its axes are limited to the velocities that they reached again and again.
     has_limited_axes: bool,
@@ -54,29 +54,26 @@ pub fn guesses(
         let ramps = PLANNER_ACCELERATION.guesses.iter().map(at);
         let grid = ramps.flat_map(|of| with_rapids(planner, &of, machine, fitted, plateaus));
         let nearest_ramps = nearest(grid, runs, whitenings)?;
-        let corners = JUNCTION_RATIOS.map(|ratio| nearest_ramps.with_scaled_junction(ratio));
+        // A blend that nothing bounds has no tolerance to scale.
+        let found = if planner == Planner::AccelerationBlend && !keeps_tolerance {
+            nearest_ramps
+        } else {
+            nearest(JUNCTION_RATIOS.map(|ratio| nearest_ramps.with_scaled_junction(ratio)), runs, whitenings)?
+        };
         match planner {
-            // What bounds nothing has no size.
-            Planner::AccelerationBlend if !keeps_tolerance => {
-                nearest(with_circles(&nearest_ramps), runs, whitenings)
-            }
-            Planner::AccelerationBlend => {
-                nearest(with_circles(&nearest(corners, runs, whitenings)?), runs, whitenings)
-            }
-            _ => nearest(corners, runs, whitenings),
+            Planner::AccelerationBlend => nearest(with_circles(&found), runs, whitenings),
+            _ => Some(found),
         }
     };
-    let limited = plateaus.and_then(|seen| seen.limited_to_fastest(&plain));
-    let candidates = Planner::ALL.into_iter().flat_map(|planner| {
-        let is_blended = planner == Planner::AccelerationBlend;
-        let own = move |(keeps_tolerance, has_limited_axes): (bool, bool)| {
-            let is_meant = is_blended || !keeps_tolerance && !has_limited_axes;
-            is_meant.then_some(CandidateFamily { planner, keeps_tolerance, has_limited_axes })
-        };
-        [(false, false), (true, false), (false, true), (true, true)].into_iter().filter_map(own)
+    let is_limited = plateaus.is_some_and(|seen| seen.limited_to_fastest(&plain).is_some());
+    let limits: &[bool] = if is_limited { &[false, true] } else { &[false] };
+    let blends = limits.iter().flat_map(|&has_limited_axes| {
+        let planner = Planner::AccelerationBlend;
+        [false, true].map(|keeps_tolerance| CandidateFamily { planner, keeps_tolerance, has_limited_axes })
     });
-    let is_tried = |candidate: &CandidateFamily| !candidate.has_limited_axes || limited.is_some();
-    candidates.filter(is_tried).filter_map(guess).collect()
+    let others = Planner::ALL.into_iter().filter(|planner| *planner != Planner::AccelerationBlend);
+    let plainly = |planner| CandidateFamily { planner, keeps_tolerance: false, has_limited_axes: false };
+    blends.chain(others.map(plainly)).filter_map(guess).collect()
 }
 
 /// Returns the machine with another way to blend corners if that is nearer to the runs; `None` if none is nearer or

@@ -3,7 +3,7 @@
 //! | acceptance test | what must hold |
 //! |---|---|
 //! | likelihood | the cost falls by more than `MIN_COST_REDUCTION` + k ln n, n sections of the path, not samples |
-//! | its own | the cost falls by as much beyond that of the assumed values fitted beside the candidate, taken without it |
+//! | own share | the candidate still lowers the cost by that much after the assumed values fitted beside it are set without it |
 //! | held out | with the values that the others give a section is better, in most sections where it acts |
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
 //! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts; a halt changes none |
@@ -87,8 +87,7 @@ pub fn passed(
         return None;
     }
     let with = with_all(base, &together(&candidate, &others));
-    // What the values beside a cause explain without it is not its work.
-    if last.cost(&with_beside(current, &candidate)) - candidate.cost <= price {
+    if !explains_more_than_beside(&candidate, current, &last, price) {
         return None;
     }
     let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
@@ -145,8 +144,8 @@ pub fn passed(
     (UNSURE <= confidence * odds(gain / dispersion, price)).then_some((found, others))
 }
 
-/// Returns `true` unless a candidate is a wait at words of a PLC that its cycles make as long or short by chance; `seconds`
-/// is the time that it explains.
+/// Returns `true` unless a candidate is a wait at words of a PLC that the cycles of the PLC may explain by chance; `seconds`
+/// is the time that the candidate explains.
 fn is_beyond_plc(candidate: &Candidate, current: &Machine, seconds: f64) -> bool {
     let plc_words = candidate.hypothesis.plc_words;
     let each = || {
@@ -156,11 +155,20 @@ fn is_beyond_plc(candidate: &Candidate, current: &Machine, seconds: f64) -> bool
     plc_words == 0 || gates::is_beyond_chance(each(), seconds, plc_words)
 }
 
-/// Returns the machine with the assumed values that were fitted beside a candidate, and without the candidate.
-fn with_beside(machine: &Machine, candidate: &Candidate) -> Machine {
-    let mut with = machine.clone();
-    candidate.beside.iter().for_each(|(freed, value)| freed.apply(&mut with, *value));
-    with
+/// Returns `true` if a candidate lowers the cost by more than its price where the machine already has the assumed values that
+/// were fitted beside it. Without such values the likelihood test has decided that.
+fn explains_more_than_beside(
+    candidate: &Candidate,
+    current: &Machine,
+    evidence: &Evidence,
+    price: f64,
+) -> bool {
+    if candidate.beside.is_empty() {
+        return true;
+    }
+    let mut without = current.clone();
+    candidate.apply_beside(&mut without);
+    price < evidence.cost(&without) - candidate.cost
 }
 
 /// Returns the id of a rival of `named`, with its axis if both are of the same effect.

@@ -68,6 +68,11 @@ impl Candidate {
         let (values, deviations) = (vec![value], vec![deviation]);
         Candidate { hypothesis, values, deviations, cost: f64::NAN, beside: Vec::new() }
     }
+
+    /// Sets the assumed parameters of a machine to the values that were fitted together with the hypothesis.
+    pub fn apply_beside(&self, machine: &mut Machine) {
+        self.beside.iter().for_each(|(freed, value)| freed.apply(machine, *value));
+    }
 }
 
 impl<'a> Evidence<'a> {
@@ -265,7 +270,7 @@ pub fn with_all(machine: &Machine, candidates: &[Candidate]) -> Machine {
     let mut machine = machine.clone();
     for candidate in candidates {
         machine = candidate.hypothesis.machine(&machine, &candidate.values);
-        candidate.beside.iter().for_each(|(freed, value)| freed.apply(&mut machine, *value));
+        candidate.apply_beside(&mut machine);
     }
     machine
 }

@@ -12,7 +12,7 @@ use crate::identification::effects::waits::StopKind;
 use crate::identification::fit::{FreeParameter, Run};
 use crate::machine::{InPosition, Junction};
 use crate::simulation::ordered::sort_by_number;
-use crate::simulation::toolpath::{Motion, Segment, Stop, Toolpath};
+use crate::simulation::toolpath::{Motion, Segment, Stop, Toolpath, angle_between};
 
 /// Least difference between the successive turn angles of corners for a stopping angle between them to be tried,
 /// rad.
@@ -163,10 +163,12 @@ pub fn waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
 fn gaps(runs: &[Run]) -> Vec<(f64, f64)> {
     let mut turns = vec![0.0];
     for run in runs {
-        turns.extend(run.toolpath.segments.pairs().map(|(before, after)| {
-            let (before, after) = (before.tangent(before.length), after.tangent(0.0));
-            (before - after).norm().atan2((before + after).norm()) * 2.0
-        }));
+        turns.extend(
+            run.toolpath
+                .segments
+                .pairs()
+                .map(|(before, after)| angle_between(&before.tangent(before.length), &after.tangent(0.0))),
+        );
     }
     turns.sort_by(f64::total_cmp);
     let mut gaps: Vec<(f64, f64)> = turns

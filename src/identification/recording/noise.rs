@@ -9,10 +9,10 @@ const DIFFERENCE_ORDERS: std::ops::RangeInclusive<usize> = 2..=4;
 /// Returns the standard deviation of the noise of a column: the least of the estimates from its differences of
 /// second to fourth order.
 ///
-/// The differences of order n of white noise are √(2n over n) times as large as the noise. Those of a motion shrink
-/// with the order: on an arc that turns by φ from one sample to the next they are φⁿ times the radius, so an arc
-/// sampled seldom looks like noise in the second differences and not in the fourth. Only the smaller half of the
-/// differences counts, so that changes of acceleration have no influence if they take less than half of the samples.
+/// For white noise, differences of order n are √(2n over n) times as large as the noise. For motion they shrink as the order
+/// rises: on an arc of radius r that turns by φ between samples they are r φⁿ. Second differences therefore take a coarsely
+/// sampled arc for noise, and fourth differences do not. The estimates use the smaller half of the differences, so changes of
+/// acceleration have no influence if they take less than half of the samples.
 /// The result is 0 if half of the differences are 0, as at rest or in steady motion without noise.
 pub fn noise(column: &[f64]) -> f64 {
     let mut differences = column.to_vec();

@@ -163,10 +163,15 @@ const MIN_LINE_DURATION_S: f64 = 4e-3;
 /// Duration (s) below which a feed move between two blends is one ramp.
 const MAX_RAMP_DURATION_S: f64 = 10e-3;
 
+/// Returns the lengths of a leg of `length` that the blends at its beginning and at its end replace, all mm.
+pub fn blended_lengths(length: f64, first: &Blend, last: &Blend) -> [f64; 2] {
+    let begin = first.distances[1].min(length);
+    [begin, last.distances[0].min(length - begin)]
+}
+
 /// Returns the blend that begins a leg, the line behind it and the blend that ends the leg.
 fn pieces(leg: &Leg, first: &Blend, last: &Blend) -> [BlendPiece; 3] {
-    let begin = first.distances[1].min(leg.length);
-    let end = last.distances[0].min(leg.length - begin);
+    let [begin, end] = blended_lengths(leg.length, first, last);
     let acceleration = leg.acceleration * (1.0 - first.taken.max(last.taken));
     let length = leg.length - begin - end;
     let mut line = BlendPiece {

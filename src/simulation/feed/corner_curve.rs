@@ -7,12 +7,14 @@
 //! ```text
 //! parabola   P = P1(d1 (1 − τ)²) + P2(d2 τ²) − K      2 d1 τ + (d2 − d1) τ² = s + d1,  0 ≤ τ ≤ 1
 //! circle     P = P1(d1) + R (sin φ u1 + (1 − cos φ) n) + φ/ψ e      φ = ψ (s + d1)/(d1 + d2),  R = c / (2 sin(ψ/2))
-//!            u tangents, ψ angle between them, n normal on the inside, c chord, e what the circle misses the second leg by
+//!            u1, u2 unit tangents of the legs at the ends of the curve     ψ angle between u1 and u2
+//!            n inward unit normal at the beginning     c length of the chord P1(d1) P2(d2)
+//!            e vector from the end of the circle to P2(d2)
 //! ```
 //!
-//! τ is the share of the parabola's duration that has passed: the first leg brakes evenly to rest while the second
-//! speeds up evenly from rest. The speed along the programmed path is the sum of both speeds; that of the tool is less.
-//! Between lines e is 0.
+//! τ is the share of the parabola's duration that has passed. The first leg brakes evenly to rest while the second speeds
+//! up evenly from rest. The speed along the programmed path is the sum of the speeds of both legs, and the tool moves at the
+//! magnitude of the sum of their velocities, which is smaller. Between two lines e is 0.
 //!
 //! ```text
 //!   ------·.         P1(d1) to the left; the tool leaves the leg there
@@ -24,10 +26,10 @@
 //! spread over the whole parabola. A circle beside an arc is that of two tangents, which touches the arc at a small angle.
 //! Source: the laws of `corner_blend`.
 
-use crate::simulation::toolpath::{Point, Segments, Vector};
+use crate::simulation::toolpath::{Point, Segments, Vector, angle_between};
 
-/// Angle below which a circle counts as its chord, rad.
-const MIN_ANGLE_RAD: f64 = 1e-6;
+/// Least angle of a circle, rad; below it the circle counts as its chord.
+const MIN_ARC_ANGLE_RAD: f64 = 1e-6;
 
 /// A curve in place of the corner behind a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +80,7 @@ impl CornerCurve {
         let tau = if 0.0 < passed { passed / (d1 + root) } else { 0.0 };
         let ((first, u1), (second, u2)) = (
             before_end(d1 * (1.0 - tau).powi(2), segment, segments),
-            behind_start(d2 * tau * tau, segment + 1, segments),
+            segments.point_and_tangent(segment + 1, d2 * tau * tau),
         );
         let corner = segments.at(segment).end;
         // dτ/ds is 1 over twice the root.
@@ -90,36 +92,29 @@ impl CornerCurve {
     fn on_circle(&self, passed: f64, segment: usize, segments: &Segments) -> (Point, Vector) {
         let [d1, d2] = self.distances;
         let ((begin, u1), (end, u2)) =
-            (before_end(d1, segment, segments), behind_start(d2, segment + 1, segments));
+            (before_end(d1, segment, segments), segments.point_and_tangent(segment + 1, d2));
         let (chord, share) = (end - begin, passed / (d1 + d2));
-        let angle = 2.0 * (u2 - u1).norm().atan2((u2 + u1).norm());
+        let angle = angle_between(&u1, &u2);
         let inwards = (u2 - u1.dot(&u2) * u1).normalize();
-        if angle < MIN_ANGLE_RAD || !inwards.iter().all(|part| part.is_finite()) {
+        if angle < MIN_ARC_ANGLE_RAD || !inwards.iter().all(|part| part.is_finite()) {
             return (begin + share * chord, chord / (d1 + d2));
         }
         let radius = 0.5 * chord.norm() / (0.5 * angle).sin();
-        let travel = |share: f64| {
+        // The travel up to a share of the angle, and its derivative by the share.
+        let on_arc = |share: f64| {
             let (sin, cos) = (share * angle).sin_cos();
-            radius * (sin * u1 + (1.0 - cos) * inwards)
+            let travel = radius * (sin * u1 + (1.0 - cos) * inwards);
+            (travel, radius * angle * (cos * u1 + sin * inwards))
         };
-        let (sin, cos) = (share * angle).sin_cos();
-        let missing = chord - travel(1.0);
-        let derivative = radius * angle * (cos * u1 + sin * inwards) + missing;
-        (begin + travel(share) + share * missing, derivative / (d1 + d2))
+        let (travel, derivative) = on_arc(share);
+        let missing = chord - on_arc(1.0).0;
+        (begin + travel + share * missing, (derivative + missing) / (d1 + d2))
     }
 }
 
 /// Returns the point `distance` (mm) before the end of a segment, mm, and the tangent there.
 fn before_end(distance: f64, segment: usize, segments: &Segments) -> (Point, Vector) {
-    let leg = segments.at(segment);
-    let offset = leg.length - distance;
-    (leg.point(offset), leg.tangent(offset))
-}
-
-/// Returns the point `distance` (mm) behind the start of a segment, mm, and the tangent there.
-fn behind_start(distance: f64, segment: usize, segments: &Segments) -> (Point, Vector) {
-    let leg = segments.at(segment);
-    (leg.point(distance), leg.tangent(distance))
+    segments.point_and_tangent(segment, segments.length(segment) - distance)
 }
 
 #[cfg(test)]
@@ -136,7 +131,8 @@ mod tests {
     const LINES: &[u8] = b"G21 G90 G1 X10 F1000\nX14 Y8";
     const LINE_AND_ARC: &[u8] = b"G21 G90 G1 X10 F1000\nG3 X20 Y10 J10";
 
-    /// The derivative is that of the position, and the curve begins and ends on the path, along it.
+    /// The curve begins and ends on the path and is tangent to it there. The derivative agrees with difference quotients of
+    /// the position.
     #[test]
     fn a_curve_goes_on_where_the_legs_leave_it() {
         let parabolas = [[1.0, 1.0], [0.5, 2.0], [2.0, 0.0]].map(|distances| (true, distances));

@@ -32,10 +32,8 @@ impl MergedPath {
         let length = self.segments.length(index);
         let ratio = length / (self.begins[index + 1] - self.begins[index]);
         let offset = ((distance - self.begins[index]) * ratio).clamp(0.0, length);
-        let (position, derivative) = on_curve(curves, index, offset, &self.segments).unwrap_or_else(|| {
-            let segment = self.segments.at(index);
-            (segment.point(offset), segment.tangent(offset))
-        });
+        let (position, derivative) = on_curve(curves, index, offset, &self.segments)
+            .unwrap_or_else(|| self.segments.point_and_tangent(index, offset));
         (position, ratio * derivative)
     }
 }

@@ -74,7 +74,9 @@ use crate::simulation::feed::rest_to_rest::add_rest_to_rest;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::running_sum::running_sum;
-use crate::simulation::toolpath::{Curve, Motion, Segment, Segments, Stop, StopCause, Toolpath};
+use crate::simulation::toolpath::{
+    Curve, Motion, Segment, Segments, Stop, StopCause, Toolpath, angle_between,
+};
 
 /// A piece of command along one segment, linear in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,7 +140,7 @@ pub struct FeedPlan {
     /// The curve in place of the corner behind each segment: of the merged path if there is one, otherwise of the
     /// program. Empty unless the control blends corners in time.
     pub corner_curves: Vec<CornerCurve>,
-    /// The path with its merged lines; `None` if the control merges none or has filters.
+    /// The path with its merged lines; `None` if the control merges none, or has filters, which round the programmed path.
     pub merged_path: Option<MergedPath>,
     /// Time lost behind the filters through acceleration limits; `None` if they cost nothing.
     pub time_scaling: Option<TimeScaling>,
@@ -265,8 +267,6 @@ fn plan_of_segments(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy
             let (without, holds) = halts::feed_holds_apart(machine);
             let mut plan = merged
                 .planned(toolpath, policy, |toolpath, policy| plan_as_written(toolpath, &without, policy));
-            // Filters are laid over the programmed path alone.
-            plan.merged_path = plan.merged_path.filter(|_| machine.interpolator.junction.blends_in_time());
             if let Some(holds) = holds {
                 HaltSchedule::of(toolpath, &holds).put_into(&mut plan, toolpath, &holds);
             }
@@ -419,7 +419,5 @@ fn is_unqueued_arc(toolpath: &Toolpath, index: usize) -> bool {
 
 /// Returns the angle by which the path turns between two segments, rad.
 fn turn(before: &Segment, after: &Segment) -> f64 {
-    let (u1, u2) = (before.tangent(before.length), after.tangent(0.0));
-    // By the half angle: acos loses digits for small turns.
-    2.0 * (u2 - u1).norm().atan2((u2 + u1).norm())
+    angle_between(&before.tangent(before.length), &after.tangent(0.0))
 }

@@ -463,17 +463,14 @@ impl MotionPlanner<'_> {
         blend::pulses(&legs, blends, self.machine.interpolator.look_ahead, self.range.start)
     }
 
-    /// Returns the curve behind each segment, which takes no more of it than its pulses.
+    /// Returns the curve behind each segment; there is none behind the last.
     fn curves(&self, blends: &[Blend]) -> impl Iterator<Item = CornerCurve> {
-        let behind = |i: usize| {
-            let blend = &blends[i + 1];
-            let begun = blends[i].distances[1].min(self.length(i));
-            let before = blend.distances[0].min(self.length(i) - begun);
-            let after =
-                if i + 1 < self.range.len() { blend.distances[1].min(self.length(i + 1)) } else { 0.0 };
-            CornerCurve { distances: [before, after], is_parabola: blend.is_parabola() }
+        let replaced = |i: usize| blend::blended_lengths(self.length(i), &blends[i], &blends[i + 1]);
+        let behind = move |i: usize| {
+            let distances = [replaced(i - 1)[1], replaced(i)[0]];
+            CornerCurve { distances, is_parabola: blends[i].is_parabola() }
         };
-        (0..self.range.len()).map(behind)
+        (1..self.range.len()).map(behind).chain([CornerCurve::NONE])
     }
 
     /// Returns the ramp of constant jerk by which the command of a segment changes; `None` if its jerk is not

@@ -172,13 +172,17 @@ impl Substitute {
         spread
     }
 
-    /// Returns the curves of the corners and the merged path of the program, from those of the substitute's plan.
+    /// Converts the corner curves and the merged path of the substitute's plan into those of the program. Returns neither for
+    /// a control without corner curves.
     fn run_path(
         &self,
         curves: Vec<CornerCurve>,
         merged: Option<MergedPath>,
         program: &Toolpath,
     ) -> (Vec<CornerCurve>, Option<MergedPath>) {
+        if curves.is_empty() {
+            return Default::default();
+        }
         if merged.is_some() {
             // Distances along the program are those along the substitute, unless that has other lengths.
             let is_as_long = (0..self.covers.len()).all(|index| (self.ratio(index) - 1.0).abs() < 1e-9);
@@ -186,9 +190,6 @@ impl Substitute {
         }
         if self.covers.iter().any(|cover| cover.first < cover.last) {
             return (curves, Some(MergedPath::of(self)));
-        }
-        if curves.is_empty() {
-            return Default::default();
         }
         let mut of_program = vec![CornerCurve::NONE; program.segments.len()];
         for (cover, curve) in self.covers.iter().zip(curves) {

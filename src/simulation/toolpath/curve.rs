@@ -159,6 +159,12 @@ impl Arc {
     }
 }
 
+/// Returns the angle between two unit vectors, rad, from 0 to π. It is computed from its half: acos loses digits for small
+/// angles.
+pub fn angle_between(first: &Vector, second: &Vector) -> f64 {
+    2.0 * (second - first).norm().atan2((second + first).norm())
+}
+
 /// Returns the distance of a point from a chord, mm, both given from the start of the chord; beyond an end it is the
 /// distance from that end.
 pub fn distance_from_chord(point: Vector, chord: Vector) -> f64 {

@@ -15,7 +15,7 @@ pub(crate) mod plane;
 pub(crate) mod random;
 mod segments;
 
-pub use curve::{Arc, Curve, distance_from_chord};
+pub use curve::{Arc, Curve, angle_between, distance_from_chord};
 pub use operations::{MAX_OPERATIONS, Operation};
 pub use path_mode::{Blending, PathMode};
 pub use segments::Segments;

@@ -159,6 +159,16 @@ impl Moves {
         }
     }
 
+    /// Returns the position (mm) at a distance (mm) from the start of the segment with this index, and the unit tangent there.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such segment.
+    pub fn point_and_tangent(&self, index: usize, distance: f64) -> (Point, Vector) {
+        let segment = self.at(index);
+        (segment.point(distance), segment.tangent(distance))
+    }
+
     /// Returns the position at a distance (mm) from the start of the segment with this index, mm.
     ///
     /// # Panics
