@@ -103,6 +103,8 @@ export const reach = (page, selector) => open(page, page.locator(selector).first
 /** Opens what an element is in: a drawer of the bar, a panel below the picture, what is folded away; a drawer that may lie over it is closed. */
 async function open(page, locator) {
   const openers = await locator.evaluate((element) => {
+    // A panel may replace what was found before this runs, and nothing is around what is replaced.
+    if (!element.isConnected) return null
     const drawer = element.closest('.drawer:not(:popover-open)')
     const over = document.querySelector('.drawer:popover-open')
     const isOver = over && !over.contains(element) && over.id !== element.closest('[popovertarget]')?.getAttribute('popovertarget')
@@ -118,6 +120,7 @@ async function open(page, locator) {
         : []),
     ]
   })
+  if (!openers) return open(page, locator)
   for (const opener of openers) await page.mainFrame().locator(opener).first().click()
 }
 
