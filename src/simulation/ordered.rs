@@ -1,5 +1,5 @@
-//! Sorting by a number. One sort serves items of every type: sorting compiled for each type took a tenth of
-//! the WebAssembly module that the page loads.
+//! Sorting by a number, and the median. One sort serves items of every type: sorting compiled for each type
+//! took a tenth of the WebAssembly module that the page loads.
 
 /// Sorts items by a number in ascending order; items with equal numbers keep their order.
 pub fn sort_by_number<T>(items: &mut [T], number: impl FnMut(&T) -> f64) {
@@ -15,6 +15,18 @@ pub fn sort_by_number<T>(items: &mut [T], number: impl FnMut(&T) -> f64) {
     }
 }
 
+/// Returns the value at half of the weights of `(value, weight)`; `None` without values.
+pub fn weighted_median(mut values: Vec<(f64, f64)>) -> Option<f64> {
+    sort_by_number(&mut values, |one| one.0);
+    let half = 0.5 * values.iter().map(|one| one.1).sum::<f64>();
+    let mut sum = 0.0;
+    let at_half = values.iter().find(|one| {
+        sum += one.1;
+        half <= sum
+    });
+    at_half.map(|one| one.0)
+}
+
 /// Returns the indices of the numbers in ascending order of the numbers.
 fn in_order(numbers: Vec<f64>) -> Vec<usize> {
     let mut places: Vec<usize> = (0..numbers.len()).collect();
@@ -25,6 +37,14 @@ fn in_order(numbers: Vec<f64>) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn half_of_the_weights_lie_on_each_side_of_the_median() {
+        assert_eq!(weighted_median(vec![(3.0, 1.0), (1.0, 1.0), (2.0, 1.0)]), Some(2.0));
+        assert_eq!(weighted_median(vec![(3.0, 5.0), (1.0, 1.0), (2.0, 1.0)]), Some(3.0));
+        assert_eq!(weighted_median(vec![(3.0, 1.0), (1.0, 9.0), (f64::INFINITY, 1.0)]), Some(1.0));
+        assert_eq!(weighted_median(Vec::new()), None);
+    }
 
     #[test]
     fn it_orders_as_a_stable_sort_does() {

@@ -15,7 +15,7 @@
 use crate::identification::alignment::place::{ProgramPlace, times};
 use crate::identification::alignment::{Alignment, AlignmentError};
 use crate::machine::Machine;
-use crate::simulation::ordered::sort_by_number;
+use crate::simulation::ordered::weighted_median;
 use crate::simulation::simulate;
 use crate::simulation::toolpath::{Motion, Point, Toolpath};
 
@@ -51,7 +51,9 @@ fn checked_unit(alignment: &Alignment, toolpath: &Toolpath, machine: &Machine) -
     let simulated = times(toolpath, &simulate(toolpath, machine), &places);
     let pairs = marks.windows(2).zip(simulated.windows(2));
     let spans = pairs.map(|(marks, times)| (marks[1].time - marks[0].time, times[1] - times[0]));
-    let ratio = median_ratio(spans.filter(|(_, simulated)| 0.0 < *simulated).collect());
+    let timed = spans.filter(|(_, simulated)| 0.0 < *simulated);
+    let ratios = timed.map(|(recorded, simulated)| (recorded / simulated, simulated));
+    let ratio = weighted_median(ratios.collect()).unwrap_or(1.0);
     let (Some((first, last)), Some((begin, end))) =
         (marks.first().zip(marks.last()), simulated.first().zip(simulated.last()))
     else {
@@ -65,19 +67,6 @@ fn checked_unit(alignment: &Alignment, toolpath: &Toolpath, machine: &Machine) -
         true => Err(AlignmentError::TimeUnit { recorded, simulated }),
         false => Ok(()),
     }
-}
-
-/// Returns the median of recorded over simulated time (s), weighted by the simulated one; 1 if there are
-/// none.
-fn median_ratio(mut spans: Vec<(f64, f64)>) -> f64 {
-    sort_by_number(&mut spans, |span| span.0 / span.1);
-    let half = 0.5 * spans.iter().map(|(_, simulated)| simulated).sum::<f64>();
-    let mut weight = 0.0;
-    let middle = spans.into_iter().find(|(_, simulated)| {
-        weight += simulated;
-        half <= weight
-    });
-    middle.map_or(1.0, |(recorded, simulated)| recorded / simulated)
 }
 
 fn checked_feed(alignment: &Alignment, toolpath: &Toolpath) -> Result<(), AlignmentError> {
