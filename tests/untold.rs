@@ -100,6 +100,34 @@ fn an_axis_that_never_ramps_has_the_acceleration_of_the_others_and_the_file_says
     assert_eq!(machine.calibrated_on.assumed_accelerations, [true, false, false]);
 }
 
+/// Rows along X, each with a rapid back on a diagonal that X holds back.
+fn facing() -> String {
+    let row = |at: u32| {
+        let y = 11.398 * f64::from(at);
+        format!("G0 X0 Y{y:.3} Z11\nZ1\nG1 Z-0.5 F800\nX136.237 F5080\nG0 Z11\n")
+    };
+    let rows: String = (0..10).map(row).collect();
+    format!("G21 G90\nG64 P0.007\nG0 Z11\n{rows}G0 X0 Y0\nM30\n")
+}
+
+/// That axes are alike tells nothing about an axis that holds nothing back.
+#[test]
+fn an_axis_that_is_only_taken_to_be_like_another_has_no_deviation() {
+    let mut truth = truth();
+    (truth.axes[0].acceleration, truth.axes[1].acceleration) = (580.0, 500.0);
+    let toolpath = traced(&facing());
+    let alignment = recorded(&toolpath, &truth);
+    let calibration = calibrate(&believed(), &[run(&toolpath, &alignment)], &mut |_| {});
+    let deviation = |axis: &str| {
+        let key = format!("axis.{axis}.acceleration_mm_s2");
+        let estimate = calibration.estimates.iter().find(|estimate| estimate.key == key);
+        estimate.expect("each has one").deviation
+    };
+    assert!(deviation("x").is_some_and(|deviation| deviation < 10.0), "{:?}", deviation("x"));
+    assert_eq!(deviation("y"), None);
+    assert_eq!(calibration.machine.calibrated_on.assumed_accelerations, [false, true, false]);
+}
+
 /// A slot cut in circles, far below the velocities of the axes, but LinuxCNC plans its corners by these.
 fn slot() -> String {
     let turn = |at: u32| {

@@ -119,7 +119,8 @@ fn errors<'a>(transfers: impl Iterator<Item = &'a Value>, key: &str) -> Value {
 fn ranges<'a>(transfers: impl Iterator<Item = &'a Value>) -> Value {
     let of = |transfer: &Value| Some((transfer["error"].as_f64()?, transfer["range"].as_f64()?));
     let stated: Vec<(f64, f64)> = transfers.filter_map(of).collect();
-    let held = stated.iter().filter(|(error, half)| error.abs() <= *half).count();
+    // The error is a part of the recorded time, the range one of the predicted time.
+    let held = stated.iter().filter(|(error, half)| error.abs() <= *half * (1.0 + error)).count();
     json!({ "held": rate(held, stated.len()), "median_half_width": median(stated.iter().map(|(_, half)| *half).collect()) })
 }
 

@@ -151,11 +151,15 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let mut fit = |machine: &Machine, parameters: &[(FreeParameter, f64)]| {
         run_fit(machine, runs, parameters, &whitenings, FTOL, &mut fitting.share)
     };
-    let (judgement, as_one) = alike::alike(judgement, &mut fit);
-    let untold = untold::untold(&judgement, as_one, runs, &whitenings, &mut fit);
+    let (judgement, alike) = alike::alike(judgement, &mut fit);
+    let untold = untold::untold(&judgement, alike, runs, &whitenings, &mut fit);
     let kept: Vec<(FreeParameter, f64)> = judgement.fitted().cloned().collect();
     let Judgement { all, believed, verdicts, deviations, mut last } = judgement;
-    let is_untold = |freed: &FreeParameter| motion::axis_of(freed).is_some_and(|axis| untold[axis]);
+    let assumed_rapids = rapids::assumed(&last.machine, fitting.plateaus);
+    let is_untold = |freed: &FreeParameter| {
+        motion::axis_of(freed).is_some_and(|axis| untold[axis])
+            || motion::rapid_axis_of(freed).is_some_and(|axis| assumed_rapids[axis])
+    };
     let mut fitted = last.values.iter().zip(&last.deviations);
     let estimates = all.iter().zip(&verdicts).enumerate().map(|(at, ((freed, before), verdict))| {
         let own = if *verdict == ParameterVerdict::Fitted { fitted.next() } else { None };
@@ -172,10 +176,10 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
             verdict: *verdict,
         }
     });
-    let estimates = alike::of_each_axis(estimates.collect(), as_one, machine);
+    let estimates = alike::of_each_axis(estimates.collect(), alike, untold, machine);
     rapids::limit_feed_as_rapids(&mut last.machine, fitting.plateaus);
     last.machine.calibrated_on.assumed_accelerations = untold;
-    last.machine.calibrated_on.assumed_rapids = rapids::assumed(&last.machine, fitting.plateaus);
+    last.machine.calibrated_on.assumed_rapids = assumed_rapids;
     let after = compared(&last.machine, runs);
     let programmed = Tolerances::Programmed;
     let results = before.into_iter().zip(after).zip(runs).map(|((before, after), run)| {

@@ -132,3 +132,9 @@ pub fn axis_of(freed: &FreeParameter) -> Option<usize> {
     let key = freed.handle.key();
     parameters::AXIS_ACCELERATION.iter().position(|own| own.key == key)
 }
+
+/// Returns the axis whose rapid rate the parameter is; `None` for any other parameter.
+pub fn rapid_axis_of(freed: &FreeParameter) -> Option<usize> {
+    let key = freed.handle.key();
+    parameters::AXIS_RAPID.iter().position(|own| own.key == key)
+}

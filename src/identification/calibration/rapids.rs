@@ -46,6 +46,9 @@ pub struct RapidPlateaus {
     pub reached: [ReachedVelocity; 3],
     /// Velocity of each axis.
     pub axes: [Option<f64>; 3],
+    /// `true` for each axis whose velocity is a limit only if axes are alike: in each diagonal that shows it, another
+    /// axis may have held it back.
+    pub guessed_axes: [bool; 3],
     /// Velocity of each axis on lines that are cut: first on lines where the axis was held back below its
     /// programmed velocity, then on all others.
     pub cut: [[Option<f64>; 3]; 2],
@@ -86,7 +89,7 @@ impl RapidPlateaus {
         let with_positions = runs.iter().filter(|run| run.alignment.track.is_some());
         let count = with_positions.clone().map(|run| seen.take(run, &mut rapids, &mut each)).count();
         seen.path = rapids.iter().map(Vector::norm).reduce(f64::max);
-        seen.axes = rates(&rapids);
+        (seen.axes, seen.guessed_axes) = rates(&rapids);
         let tracks = with_positions.filter_map(|run| run.alignment.track.as_ref());
         let noise = tracks.map(|track| track.noise).fold(0.0, f64::max) * std::f64::consts::SQRT_2 / WINDOW_S;
         let plateau = fastest_of(&rapids);
@@ -257,10 +260,10 @@ fn steady(velocities: [Vector; 3]) -> Option<Vector> {
 }
 
 /// Returns the rates of the axes (mm/s) from the velocities on the plateaus of rapids, for machines that limit each
-/// axis separately; `None` for an axis whose rate they do not show. The highest velocity of an axis is its rate if
-/// the axis reached it while no other axis was at its highest. A rapid that no such axis holds back is held back by
-/// the axis that moves furthest, since axes are alike.
-fn rates(rapids: &[Vector]) -> [Option<f64>; 3] {
+/// axis separately, `None` for an axis whose rate they do not show; and `true` for each axis whose rate is a guess. The
+/// highest velocity of an axis is its rate if the axis reached it while no other axis was at its highest. A rapid that
+/// no such axis holds back is held back by the axis that moves furthest, if axes are alike.
+fn rates(rapids: &[Vector]) -> ([Option<f64>; 3], [bool; 3]) {
     let fastest = fastest_of(rapids);
     let is_fastest = |velocity: &Vector, axis: usize| {
         0.0 < fastest[axis] && (1.0 - PLATEAU) * fastest[axis] <= velocity[axis]
@@ -269,12 +272,13 @@ fn rates(rapids: &[Vector]) -> [Option<f64>; 3] {
         is_fastest(velocity, axis) && (0..3).all(|other| other == axis || !is_fastest(velocity, other))
     };
     let mut told = [0, 1, 2].map(|axis| rapids.iter().any(|velocity| is_alone(velocity, axis)));
+    let mut guessed = [false; 3];
     for velocity in rapids {
         if !(0..3).any(|axis| told[axis] && is_fastest(velocity, axis)) {
-            told[velocity.iamax()] = true;
+            (told[velocity.iamax()], guessed[velocity.iamax()]) = (true, true);
         }
     }
-    [0, 1, 2].map(|axis| told[axis].then_some(fastest[axis]))
+    ([0, 1, 2].map(|axis| told[axis].then_some(fastest[axis])), guessed)
 }
 
 /// Limits the axes to the rates of their rapids if the control has one velocity of an axis for feed and rapids
@@ -307,12 +311,16 @@ fn limits_rapids_as_feed(machine: &Machine) -> bool {
     !machine.has_filters() && (junction.blends_in_time() || matches!(junction, Junction::Deviation(_)))
 }
 
-/// Returns `true` for each axis of a planner whose rapid rate no run showed; `false` for filters, whose rapids are
-/// fitted as a whole.
+/// Returns `true` for each axis of a planner whose rapid rate no run showed for certain; `false` for filters, whose
+/// rapids are fitted as a whole.
 pub fn assumed(machine: &Machine, plateaus: Option<RapidPlateaus>) -> [bool; 3] {
     let Some(seen) = plateaus.filter(|_| !machine.has_filters()) else { return [false; 3] };
     let is_along_path = machine.rapid.feedrate.is_finite();
-    seen.axes.map(|axis| if is_along_path { seen.path.is_none() } else { axis.is_none() })
+    let is_assumed = |axis: usize| match is_along_path {
+        true => seen.path.is_none(),
+        false => seen.axes[axis].is_none() || seen.guessed_axes[axis],
+    };
+    [0, 1, 2].map(is_assumed)
 }
 
 /// Sets `own` to the faster of both.
@@ -367,10 +375,20 @@ mod tests {
     fn an_axis_has_the_rate_at_which_it_holds_the_others_back() {
         let x_alone = Vector::new(170.0, 20.0, 0.0);
         let held_back_by_y = Vector::new(123.0, 90.0, 0.0);
-        assert_eq!(rates(&[x_alone, held_back_by_y]), [Some(170.0), Some(90.0), None]);
+        assert_eq!(rates(&[x_alone, held_back_by_y]), ([Some(170.0), Some(90.0), None], [false; 3]));
         // Of one diagonal nobody knows which axis holds it back, and axes are alike.
-        assert_eq!(rates(&[held_back_by_y]), [Some(123.0), None, None]);
-        assert_eq!(rates(&[]), [None; 3]);
+        assert_eq!(rates(&[held_back_by_y]), ([Some(123.0), None, None], [true, false, false]));
+        assert_eq!(rates(&[]), ([None; 3], [false; 3]));
+    }
+
+    #[test]
+    fn a_rate_that_is_guessed_counts_as_assumed() {
+        let mut machine = Machine::default();
+        machine.interpolator.junction = Junction::AccelerationBlend;
+        machine.rapid.feedrate = f64::INFINITY;
+        let axes = [Some(123.0), Some(90.0), None];
+        let seen = RapidPlateaus { axes, guessed_axes: [true, false, false], ..RapidPlateaus::default() };
+        assert_eq!(assumed(&machine, Some(seen)), [true, false, true]);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! and if the standard deviation of the fit is small. The machine file names the axes that are not determined, and
 //! a diagnosis fits their accelerations again beside a cause.
 
+use crate::identification::calibration::alike::AlikeAxes;
 use crate::identification::calibration::judgement::Judgement;
 use crate::identification::calibration::motion::axis_of;
 use crate::identification::calibration::{MIN_CONTRADICTING_COST, ParameterVerdict};
@@ -20,11 +21,11 @@ const MIN_MOVED_S: f64 = 0.015;
 const MAX_RELATIVE_DEVIATION: f64 = 0.05;
 
 /// Returns `true` for each axis whose acceleration the runs do not determine: it is lent from other axes, its
-/// standard deviation is too large, or the other parameters fit as well without its limit. `as_one` are the axes
-/// whose accelerations are one parameter.
+/// standard deviation is too large, or the other parameters fit as well without its limit. `alike` are the axes whose
+/// accelerations are one parameter.
 pub fn untold(
     judgement: &Judgement,
-    as_one: &[usize],
+    alike: AlikeAxes,
     runs: &[Run],
     whitenings: &[Whitening],
     mut fitted: impl FnMut(&Machine, &[(FreeParameter, f64)]) -> Fit,
@@ -41,15 +42,17 @@ pub fn untold(
         let moved = runs.iter().map(|run| farthest(&run.residuals(&last.machine), &run.residuals(machine)));
         cost < last.cost + MIN_CONTRADICTING_COST || moved.fold(0.0, f64::max) < MIN_MOVED_S
     };
-    for axis in as_one {
+    for axis in alike.axes {
         let mut without = last.machine.clone();
         without.axes[*axis].acceleration = f64::INFINITY;
-        untold[*axis] = is_unseen(&without, cost_of(&without, runs, whitenings));
+        let is_vague =
+            MAX_RELATIVE_DEVIATION * last.machine.axes[*axis].acceleration < alike.deviations[*axis];
+        untold[*axis] = is_vague || is_unseen(&without, cost_of(&without, runs, whitenings));
     }
     let fitted_ones = (0..all.len()).filter(|at| verdicts[*at] == ParameterVerdict::Fitted);
     for (place, at) in fitted_ones.enumerate() {
         let freed = &all[at].0;
-        let Some(axis) = axis_of(freed).filter(|axis| !as_one.contains(axis)) else { continue };
+        let Some(axis) = axis_of(freed).filter(|axis| !alike.axes.contains(axis)) else { continue };
         if MAX_RELATIVE_DEVIATION * last.values[place] < last.deviations[place] {
             untold[axis] = true;
             continue;
