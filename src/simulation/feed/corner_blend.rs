@@ -55,6 +55,9 @@
 //! function that waits or the end of the program follows it, since no further move is queued. Its feedrate is then
 //! the one that its whole acceleration allows, whatever its corners take.
 //!
+//! **Helix**: it is planned as an arc with the radius r + h²/r, with the rise h of the whole arc, see
+//! [`limits::planned_curvature`].
+//!
 //! Limits: between two arcs the circle touches their tangents. Source: LinuxCNC 2.9, src/emc/tp
 //! (blendmath.c: blendComputeParameters, blendParamKinematics; tp.c: tpSetupTangent, tpComputeBlendVelocity,
 //! tpChooseBestBlend; tc.c: tcFinalizeLength), and recordings of it.

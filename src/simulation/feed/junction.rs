@@ -145,7 +145,7 @@ fn direction(vector: Vector) -> Vector {
 pub fn acceleration(segment: &Segment, own: f64, machine: &Machine) -> f64 {
     let Curve::Arc(arc) = &segment.curve else { return own };
     let fastest = limits::axis_feedrate(segment, machine);
-    let normal = (fastest * fastest * limits::curvature(arc, segment.length) / own)
+    let normal = (fastest * fastest * limits::planned_curvature(arc, segment.length) / own)
         .min(limits::NORMAL_ACCELERATION_SHARE);
     own * (1.0 - normal * normal).sqrt()
 }

@@ -164,12 +164,12 @@ pub fn acceleration(segment: &Segment, machine: &Machine) -> f64 {
     limits.fold(machine.path.acceleration, f64::min)
 }
 
-/// Returns the acceleration limit along a segment if corners are blends, mm/s²: on an arc, that of the weaker
-/// axis of its plane, however short the arc.
+/// Returns the acceleration limit along a segment if corners are blends, mm/s²: on an arc, that at which the motion in
+/// its plane has the acceleration of the weaker axis, however short the arc.
 pub fn blended_acceleration(segment: &Segment, machine: &Machine) -> f64 {
     let along = acceleration(segment, machine);
     let Curve::Arc(arc) = &segment.curve else { return along };
-    along.min(weaker_of_plane(arc, machine, |axis| axis.acceleration))
+    along.min(weaker_of_plane(arc, machine, |axis| axis.acceleration) / turning_share(arc, segment.length))
 }
 
 /// Share of the acceleration that remains along the path where the motion turns (LinuxCNC).
@@ -178,11 +178,14 @@ pub const TANGENTIAL_ACCELERATION_SHARE: f64 = 0.5;
 pub const NORMAL_ACCELERATION_SHARE: f64 = 0.866_025_403_784_438_6;
 
 /// Returns the feedrate along an arc that leaves half the `acceleration` (mm/s²) for ramps, mm/s; infinite along a line,
-/// and where corners are not blends.
+/// and where corners are not blends. A helix is planned by [`planned_curvature`], and in its plane no axis exceeds its
+/// share of acceleration.
 pub fn blended_arc_feedrate(segment: &Segment, acceleration: f64, machine: &Machine) -> f64 {
     match &segment.curve {
         Curve::Arc(arc) if machine.interpolator.junction.blends_in_time() => {
-            (NORMAL_ACCELERATION_SHARE * acceleration / curvature(arc, segment.length)).sqrt()
+            let weaker = weaker_of_plane(arc, machine, |axis| axis.acceleration);
+            let planned = acceleration / planned_curvature(arc, segment.length);
+            (NORMAL_ACCELERATION_SHARE * planned.min(weaker / curvature(arc, segment.length))).sqrt()
         }
         _ => f64::INFINITY,
     }
@@ -211,6 +214,16 @@ const MIN_PLANE_COMPONENT: f64 = 1e-6;
 /// Returns the curvature of a helix, 1/mm.
 pub fn curvature(arc: &Arc, length: f64) -> f64 {
     arc.mean_radius() * (arc.sweep / length).powi(2)
+}
+
+/// Returns the curvature by which a control that blends corners plans a helix, 1/mm: that of the radius r + h²/r, with
+/// the radius r and the rise h of the whole arc (mm). LinuxCNC 2.9 does not divide h by the angle, as the curvature of a
+/// helix needs, so that a helix in arcs of 180° is faster than the same one in full turns.
+pub fn planned_curvature(arc: &Arc, length: f64) -> f64 {
+    match arc.rise.norm() {
+        0.0 => curvature(arc, length),
+        rise => 1.0 / (arc.mean_radius() + rise * rise / arc.mean_radius()),
+    }
 }
 
 /// Returns the largest centripetal acceleration that keeps every axis within its limit, mm/s².
@@ -285,6 +298,34 @@ mod tests {
         // The axis across it sets no limit to an arc without a rise.
         machine.axes[2].velocity = 1.0;
         assert!((axis_feedrate(&arc(0.0), &machine) - 20.0).abs() < 1e-9);
+    }
+
+    /// Two half turns that LinuxCNC 2.9 was recorded at, between blended corners: 23.19 and 22.35 mm/s.
+    #[test]
+    fn a_helix_in_half_turns_is_planned_by_the_rise_of_each() {
+        let mut machine = Machine::default();
+        machine.interpolator.junction = Junction::AccelerationBlend;
+        for (axis, acceleration) in machine.axes.iter_mut().zip([840.0, 730.0, 400.0]) {
+            axis.acceleration = acceleration;
+        }
+        for (rise, recorded) in [(-0.5334, 23.19), (-0.3353, 22.35)] {
+            let (start, end) = (Point::new(1.50114, 0.0, 0.0), Point::new(-1.50114, 0.0, rise));
+            let half_turn = Plane::Xy.arc((start, end), Point::origin(), Turn::Counterclockwise, 1);
+            let half_turn = half_turn.expect("a helix");
+            let length = half_turn.length();
+            let segment =
+                Segment { start, end, length, curve: Curve::Arc(std::sync::Arc::new(half_turn)), ..arc(0.0) };
+            let own = 0.5 * blended_acceleration(&segment, &machine);
+            let planned = blended_arc_feedrate(&segment, own, &machine);
+            assert!((planned - recorded).abs() < 0.01, "{planned} mm/s for {recorded}");
+        }
+        // A steep helix has no more than its weaker axis allows in the plane.
+        machine.axes[2].acceleration = 1e4;
+        let steep = arc(50.0);
+        let Curve::Arc(curve) = &steep.curve else { unreachable!("an arc") };
+        let planned = blended_arc_feedrate(&steep, blended_acceleration(&steep, &machine), &machine);
+        let in_plane = planned * turning_share(curve, steep.length);
+        assert!((in_plane * in_plane / 10.0 - NORMAL_ACCELERATION_SHARE * 730.0).abs() < 1e-6);
     }
 
     #[test]
