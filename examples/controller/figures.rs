@@ -12,7 +12,7 @@ use crate::interval::clopper_pearson;
 const BINS: [f64; 5] = [0.5, 0.7, 0.9, 0.97, 1.0 + 1e-9];
 
 /// A count with the interval in which its rate lies nine times in ten.
-fn rate(hits: usize, of: usize) -> Value {
+pub fn rate(hits: usize, of: usize) -> Value {
     if of == 0 {
         return json!({ "hits": 0, "of": 0 });
     }
@@ -212,6 +212,7 @@ pub fn page(results: &Value) -> String {
         |what: &str, figure: String| writeln!(text, "| {what} | {figure} |").expect("text takes any length");
     let refused = results["calibrations"]["refused"].as_array().map_or(0, Vec::len);
     row("calibrations refused", format!("{refused} of {}", results["calibrations"]["of"]));
+    row("limits of axes within the 90 % interval stated", rate_words(&results["limits_within"]));
     row("clean runs in which a cause is named", rate_words(&results["clean_with_a_name"]));
     row("clean runs called unknown", rate_words(&results["clean_unknown"]));
     row("clean runs refused", rate_words(&results["clean_refused"]));

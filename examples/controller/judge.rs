@@ -16,6 +16,7 @@ use truefeed::machine::presets;
 use truefeed::project::toml_from_machine;
 
 use crate::changes;
+use crate::estimates;
 use crate::figures;
 use crate::names::{is_right, is_right_name};
 use crate::trial::ask;
@@ -79,8 +80,12 @@ pub fn score(bench: &Bench, folder: &Path, reports: &Path) -> Result<(), Refusal
     let refused: Mutex<Vec<Value>> = Mutex::new(Vec::new());
     let probes = answers["probes"].as_array().map_or(&[][..], Vec::as_slice);
     let sources: Vec<&Value> = programs.iter().chain(probes).collect();
+    let limits: Mutex<Vec<(usize, Value)>> = Mutex::new(Vec::new());
     side_by_side(bench.jobs, sources.len(), |number| {
         let said = calibrate(bench, folder, reports, &preset, name(sources[number]))?;
+        let found = estimates::limits_of(sources[number], &said["report"]);
+        let found = found.into_iter().map(|limit| (number, limit));
+        limits.lock().map_err(|_| "a thread panicked")?.extend(found);
         if said["report"].is_null() {
             let why = json!({ "program": sources[number]["name"], "refused": said["refused"] });
             refused.lock().map_err(|_| "a thread panicked")?.push(why);
@@ -88,6 +93,9 @@ pub fn score(bench: &Bench, folder: &Path, reports: &Path) -> Result<(), Refusal
         Ok(())
     })?;
     let refused = refused.into_inner().map_err(|_| "a thread panicked")?;
+    let mut limits = limits.into_inner().map_err(|_| "a thread panicked")?;
+    limits.sort_by_key(|(number, _)| *number);
+    let limits: Vec<Value> = limits.into_iter().map(|(_, limit)| limit).collect();
     let calibrated = |program: &Value| !refused.iter().any(|one| one["program"] == program["name"]);
     let trials = trials(programs, &sources, &calibrated);
     let cases: Mutex<Vec<(usize, Value)>> = Mutex::new(Vec::new());
@@ -102,6 +110,8 @@ pub fn score(bench: &Bench, folder: &Path, reports: &Path) -> Result<(), Refusal
     let cases: Vec<Value> = cases.into_iter().map(|(_, case)| case).collect();
     let transfers = transfers(bench, folder, reports, programs, &sources, &calibrated)?;
     let mut results = figures::results(&answers, cases, transfers);
+    results["limits_within"] = estimates::within(&limits);
+    results["limits"] = json!(limits);
     results["calibrations"] = json!({ "of": sources.len(), "refused": refused });
     let version = std::process::Command::new(&bench.truefeed).arg("--version").output()?;
     results["truefeed"] = json!(String::from_utf8_lossy(&version.stdout).trim());

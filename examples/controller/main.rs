@@ -17,6 +17,7 @@
 //! off goes on where it was; another folder begins anew.
 
 mod changes;
+mod estimates;
 mod factory;
 mod figures;
 mod geometry;

@@ -58,9 +58,11 @@
 //! **Helix**: it is planned as an arc with the radius r + h²/r, with the rise h of the whole arc, see
 //! [`limits::planned_curvature`].
 //!
-//! Limits: between two arcs the circle touches their tangents. Source: LinuxCNC 2.9, src/emc/tp
+//! Source: LinuxCNC 2.9, src/emc/tp
 //! (blendmath.c: blendComputeParameters, blendParamKinematics; tp.c: tpSetupTangent, tpComputeBlendVelocity,
 //! tpChooseBestBlend; tc.c: tcFinalizeLength), and recordings of it.
+
+use nalgebra::Vector2;
 
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::blend::{Blend, Leg};
@@ -316,7 +318,8 @@ impl<'a> Corner<'a> {
         let (side, (of_arc, is_convex, most)) = match [bends[0].arc, bends[1].arc] {
             [Some(arc), None] => (0, arc),
             [None, Some(arc)] => (1, arc),
-            _ => return Some(plain),
+            [Some(before), Some(after)] => return self.contact_of_arcs(radius, [before, after], tolerance),
+            [None, None] => return Some(plain),
         };
         // The line runs along x to the corner at the origin; the circle lies above it, around (−x, R).
         let sign = if is_convex { 1.0 } else { -1.0 };
@@ -339,6 +342,39 @@ impl<'a> Corner<'a> {
         let mut distances = [along; 2];
         distances[side] = trimmed * of_arc;
         Some(CircleContact { distances, turn })
+    }
+
+    /// Returns the contact of a circle with two arcs, as [`Corner::contact`] does.
+    fn contact_of_arcs(
+        &self,
+        radius: f64,
+        arcs: [(f64, bool, f64); 2],
+        tolerance: f64,
+    ) -> Option<CircleContact> {
+        let angle = 2.0 * self.half_angle();
+        let (sin, cos) = angle.sin_cos();
+        let signs = arcs.map(|(_, is_convex, _)| if is_convex { 1.0 } else { -1.0 });
+        // The first arc runs along x to the corner at the origin; of two circles the one nearer to it counts.
+        let inward = [Vector2::y(), Vector2::new(-sin, cos)];
+        let centers = [0, 1].map(|side| signs[side] * arcs[side].0 * inward[side]);
+        let away = [0, 1].map(|side| arcs[side].0 - signs[side] * radius);
+        let between: Vector2<f64> = centers[1] - centers[0];
+        let apart = between.norm();
+        let across = Vector2::new(-between.y, between.x) / apart;
+        let along = (away[0].powi(2) - away[1].powi(2) + apart * apart) / (2.0 * apart);
+        let beside = (away[0].powi(2) - along * along).sqrt();
+        let middle = centers[0] + along / apart * between;
+        let own = if middle.dot(&across) < 0.0 { middle + beside * across } else { middle - beside * across };
+        let trimmed = [0, 1].map(|side| {
+            let (corner, contact) = (-centers[side], own - centers[side]);
+            corner.perp(&contact).abs().atan2(corner.dot(&contact))
+        });
+        // Where no circle touches both arcs, `beside` is NaN, and so is all of this.
+        let fits = (0..2).all(|side| trimmed[side] <= arcs[side].2) && own.norm() - radius <= tolerance;
+        fits.then_some(CircleContact {
+            distances: [0, 1].map(|side| trimmed[side] * arcs[side].0),
+            turn: angle + signs[0] * trimmed[0] + signs[1] * trimmed[1],
+        })
     }
 
     /// Returns half the length of the change from the direction in which the first leg brakes to that in which the
@@ -463,6 +499,32 @@ mod tests {
         let sides =
             [0, 1].map(|at| CornerSide { segment: &segments[at], feedrate, whole_acceleration: None });
         blend(sides, machine, tolerance)
+    }
+
+    /// An arc of 100 m is as good as a line.
+    #[test]
+    fn between_arcs_the_circle_touches_both() {
+        let machine = machine();
+        let circle = |before: &str, after: &str| {
+            let toolpath = trace(&read(format!("F1660\n{before}\n{after}").as_bytes()), &machine);
+            let segments = [toolpath.segments.at(0), toolpath.segments.at(1)];
+            let feedrate = mm_per_min(1660.0);
+            let sides =
+                [0, 1].map(|at| CornerSide { segment: &segments[at], feedrate, whole_acceleration: None });
+            Corner::between(sides, &machine).circle(2.0).expect("there is room")
+        };
+        // The second leg bends to the side of the turn, and away from it.
+        for after in ["G3 X0 Y0 I-20 J0", "G2 X80 Y0 I20 J0"] {
+            let beside_line = circle("G1 X40", after);
+            for nearly_line in ["G3 X40 R100000", "G2 X40 R100000"] {
+                let between_arcs = circle(nearly_line, after);
+                let both = [between_arcs, beside_line]
+                    .map(|blend| [blend.feedrate, blend.distances[0], blend.distances[1], blend.shortening]);
+                for (one, other) in both[0].iter().zip(both[1]) {
+                    assert!((one / other - 1.0).abs() < 2e-3, "{nearly_line} {after}: {both:?}");
+                }
+            }
+        }
     }
 
     /// Feedrates that LinuxCNC 2.9 was recorded at on its circles.
