@@ -5,9 +5,9 @@
 //! axes as one value. If the cost of this value is higher by less than [`MIN_CONTRADICTING_COST`] for each value that is
 //! saved, the machine has it in all axes; otherwise the calibration tries X and Y alone.
 //!
-//! That axes are alike is an assumption, and says nothing about how well the runs determine each of them: its
-//! standard deviation is that of the fit in which it has a value of its own. An axis that moves little may have any
-//! value, whatever the deviation of the common one.
+//! That axes are alike is an assumption, and says nothing about how well the runs determine each of them. The standard
+//! deviation of an axis is therefore that of the fit in which each axis has a separate value: an axis that moves
+//! little may have any acceleration, whatever the deviation of the common one.
 
 use crate::identification::calibration::judgement::Judgement;
 use crate::identification::calibration::motion::axis_of;

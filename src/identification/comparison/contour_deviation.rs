@@ -115,9 +115,9 @@ impl ContourDeviation {
         self.parts_at(&actual, delay, count).iter().map(|part| part.squares).collect()
     }
 
-    /// Returns `count` parts of the recording at the delay (s) that suits them best, and that delay. The parts
-    /// agree on a delay by the median of their own ones, each weighted by how well it determines its own,
-    /// √Σ v·v: a wait that the simulation lacks shifts the parts near it and no others.
+    /// Returns `count` parts of the recording at the delay (s) that suits them best, and that delay: the median of
+    /// the delays of the parts, each weighted by √Σ v·v, by which it is determined. A wait that the simulation lacks
+    /// shifts the parts near it and no others.
     fn in_step(&self, actual: &Samples, count: usize) -> (Vec<Part>, f64) {
         let mut delay = 0.0;
         let mut best = (Vec::new(), delay);

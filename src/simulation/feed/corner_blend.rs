@@ -62,10 +62,9 @@
 //! (blendmath.c: blendComputeParameters, blendParamKinematics; tp.c: tpSetupTangent, tpComputeBlendVelocity,
 //! tpChooseBestBlend; tc.c: tcFinalizeLength), and recordings of it.
 
-use nalgebra::Vector2;
-
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::blend::{Blend, Leg};
+use crate::simulation::feed::circle_contact::{ArcLeg, contact};
 use crate::simulation::feed::junction;
 use crate::simulation::feed::limits::{self, NORMAL_ACCELERATION_SHARE, TANGENTIAL_ACCELERATION_SHARE};
 use crate::simulation::toolpath::{Arc, Curve, Segment, Vector};
@@ -251,7 +250,8 @@ impl<'a> Corner<'a> {
         let triangle = (whole * geometric * half.tan()).sqrt();
         let stretched = 2.0 * triangle.min(fastest) * fastest / (whole * 2.0 * half);
         let radius = (fastest * fastest / normal).max(stretched.min(geometric));
-        let contact = self.contact(radius, &bends, tolerance)?;
+        let legs = [bends[0].arc, bends[1].arc];
+        let contact = contact(radius, 2.0 * self.half_angle(), legs, tolerance)?;
         let legs: f64 = contact.distances.iter().sum();
         Some(Blend {
             feedrate: fastest.min(self.faster),
@@ -306,75 +306,7 @@ impl<'a> Corner<'a> {
             true => ((0.25 * angle).sin() * radius, 0.25 * angle),
             false => (angle * radius, 0.0),
         };
-        Some(LegBend { room, turns, arc: Some((radius, is_convex, angle)) })
-    }
-
-    /// Returns the contact of a circle with both legs; `None` if the circle passes the corner at more than
-    /// `tolerance` (mm).
-    fn contact(&self, radius: f64, bends: &[LegBend; 2], tolerance: f64) -> Option<CircleContact> {
-        let half = self.half_angle();
-        let along = radius * half.tan();
-        let plain = CircleContact { distances: [along; 2], turn: 2.0 * half };
-        let (side, (of_arc, is_convex, most)) = match [bends[0].arc, bends[1].arc] {
-            [Some(arc), None] => (0, arc),
-            [None, Some(arc)] => (1, arc),
-            [Some(before), Some(after)] => return self.contact_of_arcs(radius, [before, after], tolerance),
-            [None, None] => return Some(plain),
-        };
-        // The line runs along x to the corner at the origin; the circle lies above it, around (−x, R).
-        let sign = if is_convex { 1.0 } else { -1.0 };
-        let angle = 2.0 * half;
-        let center = (-sign * of_arc * angle.sin(), sign * of_arc * angle.cos());
-        let between = of_arc - sign * radius;
-        let root = (between * between - (radius - center.1).powi(2)).sqrt();
-        let ends = [-center.0 + root, -center.0 - root];
-        let along = ends.into_iter().map(f64::abs).reduce(f64::min).filter(|end| end.is_finite())?;
-        if tolerance < along.hypot(radius) - radius {
-            return None;
-        }
-        let own = (-along, radius);
-        let (from, to) = ((-center.0, -center.1), (own.0 - center.0, own.1 - center.1));
-        let trimmed = (from.0 * to.1 - from.1 * to.0).atan2(from.0 * to.0 + from.1 * to.1).abs();
-        if most < trimmed {
-            return None;
-        }
-        let turn = angle + sign * trimmed;
-        let mut distances = [along; 2];
-        distances[side] = trimmed * of_arc;
-        Some(CircleContact { distances, turn })
-    }
-
-    /// Returns the contact of a circle with two arcs, as [`Corner::contact`] does.
-    fn contact_of_arcs(
-        &self,
-        radius: f64,
-        arcs: [(f64, bool, f64); 2],
-        tolerance: f64,
-    ) -> Option<CircleContact> {
-        let angle = 2.0 * self.half_angle();
-        let (sin, cos) = angle.sin_cos();
-        let signs = arcs.map(|(_, is_convex, _)| if is_convex { 1.0 } else { -1.0 });
-        // The first arc runs along x to the corner at the origin; of two circles the one nearer to it counts.
-        let inward = [Vector2::y(), Vector2::new(-sin, cos)];
-        let centers = [0, 1].map(|side| signs[side] * arcs[side].0 * inward[side]);
-        let away = [0, 1].map(|side| arcs[side].0 - signs[side] * radius);
-        let between: Vector2<f64> = centers[1] - centers[0];
-        let apart = between.norm();
-        let across = Vector2::new(-between.y, between.x) / apart;
-        let along = (away[0].powi(2) - away[1].powi(2) + apart * apart) / (2.0 * apart);
-        let beside = (away[0].powi(2) - along * along).sqrt();
-        let middle = centers[0] + along / apart * between;
-        let own = if middle.dot(&across) < 0.0 { middle + beside * across } else { middle - beside * across };
-        let trimmed = [0, 1].map(|side| {
-            let (corner, contact) = (-centers[side], own - centers[side]);
-            corner.perp(&contact).abs().atan2(corner.dot(&contact))
-        });
-        // Where no circle touches both arcs, `beside` is NaN, and so is all of this.
-        let fits = (0..2).all(|side| trimmed[side] <= arcs[side].2) && own.norm() - radius <= tolerance;
-        fits.then_some(CircleContact {
-            distances: [0, 1].map(|side| trimmed[side] * arcs[side].0),
-            turn: angle + signs[0] * trimmed[0] + signs[1] * trimmed[1],
-        })
+        Some(LegBend { room, turns, arc: Some(ArcLeg { radius, is_convex, most: angle }) })
     }
 
     /// Returns half the length of the change from the direction in which the first leg brakes to that in which the
@@ -413,17 +345,7 @@ struct LegBend {
     room: f64,
     /// Turn from the tangent to the chord that the circle uses, as a part of half the turn, rad.
     turns: f64,
-    /// For an arc: its radius (mm), `true` if it bends to the side of the turn, and the angle of the arc that
-    /// the circle may take (rad).
-    arc: Option<(f64, bool, f64)>,
-}
-
-/// The contact of a circle with both legs.
-struct CircleContact {
-    /// Distances before and behind the corner, mm.
-    distances: [f64; 2],
-    /// Angle by which the circle turns, rad.
-    turn: f64,
+    arc: Option<ArcLeg>,
 }
 
 /// Two legs that run at once.

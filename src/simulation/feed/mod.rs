@@ -43,6 +43,7 @@ pub mod blend;
 pub mod block;
 mod chords;
 pub mod corner;
+mod circle_contact;
 mod corner_blend;
 mod corner_curve;
 mod cruise;
