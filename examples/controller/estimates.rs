@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use crate::figures::rate;
 
-/// Half of a 90 % interval, in standard deviations.
-const HALF_OF_90_PERCENT: f64 = 1.645;
+/// Quantile of the normal distribution below which 95 % lie: half the width of a 90 % interval.
+const NORMAL_QUANTILE_95: f64 = 1.645;
 
 /// The accelerations (mm/s²) and rapid rates (mm/min) of axes that a calibration states with a deviation, each with its
 /// true value.
@@ -35,7 +35,7 @@ pub fn limits_of(program: &Value, report: &Value) -> Vec<Value> {
 pub fn within(limits: &[Value]) -> Value {
     let is_within = |limit: &&Value| {
         let number = |key: &str| limit[key].as_f64().unwrap_or(f64::NAN);
-        (number("found") - number("true")).abs() <= HALF_OF_90_PERCENT * number("deviation")
+        (number("found") - number("true")).abs() <= NORMAL_QUANTILE_95 * number("deviation")
     };
     rate(limits.iter().filter(is_within).count(), limits.len())
 }

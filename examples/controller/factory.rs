@@ -62,15 +62,12 @@ pub fn record(order: &Order, folder: &Path) -> Result<(), Refusal> {
     std::fs::create_dir_all(folder)?;
     let machines = machines(order);
     let kinds = kinds_drawn(order);
-    let parts: Mutex<Vec<Part>> = Mutex::new(Vec::new());
-    side_by_side(order.jobs, order.programs, |number| {
+    let mut parts = side_by_side(order.jobs, order.programs, |number| {
         let (machine, limits) = &machines[number];
         let part = part(order, folder, number, (*machine, limits), kinds[number])?;
         eprintln!("{}: {}, {:.1} s", part.name, part.kind, part.clean.duration());
-        parts.lock().map_err(|_| "a thread panicked")?.push(part);
-        Ok(())
+        Ok(part)
     })?;
-    let mut parts = parts.into_inner().map_err(|_| "a thread panicked")?;
     parts.sort_by(|a, b| a.name.cmp(&b.name));
     let planned = changes_drawn(order, &parts);
     let done: Mutex<Vec<(usize, Value)>> = Mutex::new(Vec::new());
@@ -81,7 +78,8 @@ pub fn record(order: &Order, folder: &Path) -> Result<(), Refusal> {
         let mut done = done.lock().map_err(|_| "a thread panicked")?;
         done.push((number, answer));
         write_answers(order, folder, &parts, &planned, &done)
-    })
+    })?;
+    Ok(())
 }
 
 /// The machine of each program, with its number.

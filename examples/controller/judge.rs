@@ -9,7 +9,6 @@
 //! the run by [`VISIBLE_SHARE`] and [`VISIBLE_S`], or bends the recorded path by [`VISIBLE_MM`].
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 
 use serde_json::{Value, json};
 use truefeed::machine::presets;
@@ -77,37 +76,25 @@ pub fn score(bench: &Bench, folder: &Path, reports: &Path) -> Result<(), Refusal
     let preset = reports.join("preset.toml");
     std::fs::create_dir_all(reports)?;
     std::fs::write(&preset, bench.begin_with()?)?;
-    let refused: Mutex<Vec<Value>> = Mutex::new(Vec::new());
     let probes = answers["probes"].as_array().map_or(&[][..], Vec::as_slice);
     let sources: Vec<&Value> = programs.iter().chain(probes).collect();
-    let limits: Mutex<Vec<(usize, Value)>> = Mutex::new(Vec::new());
-    side_by_side(bench.jobs, sources.len(), |number| {
-        let said = calibrate(bench, folder, reports, &preset, name(sources[number]))?;
-        let found = estimates::limits_of(sources[number], &said["report"]);
-        let found = found.into_iter().map(|limit| (number, limit));
-        limits.lock().map_err(|_| "a thread panicked")?.extend(found);
-        if said["report"].is_null() {
-            let why = json!({ "program": sources[number]["name"], "refused": said["refused"] });
-            refused.lock().map_err(|_| "a thread panicked")?.push(why);
-        }
-        Ok(())
+    let said = side_by_side(bench.jobs, sources.len(), |number| {
+        calibrate(bench, folder, reports, &preset, name(sources[number]))
     })?;
-    let refused = refused.into_inner().map_err(|_| "a thread panicked")?;
-    let mut limits = limits.into_inner().map_err(|_| "a thread panicked")?;
-    limits.sort_by_key(|(number, _)| *number);
-    let limits: Vec<Value> = limits.into_iter().map(|(_, limit)| limit).collect();
+    let said = || sources.iter().zip(&said);
+    let limits: Vec<Value> =
+        said().flat_map(|(source, said)| estimates::limits_of(source, &said["report"])).collect();
+    let refused: Vec<Value> = said()
+        .filter(|(_, said)| said["report"].is_null())
+        .map(|(source, said)| json!({ "program": source["name"], "refused": said["refused"] }))
+        .collect();
     let calibrated = |program: &Value| !refused.iter().any(|one| one["program"] == program["name"]);
     let trials = trials(programs, &sources, &calibrated);
-    let cases: Mutex<Vec<(usize, Value)>> = Mutex::new(Vec::new());
-    side_by_side(bench.jobs, trials.len(), |number| {
+    let cases = side_by_side(bench.jobs, trials.len(), |number| {
         let case = case(bench, folder, reports, &trials[number])?;
         eprintln!("{} {}: {} {}", case["case"], case["kind"], case["outcome"], case["named"]);
-        cases.lock().map_err(|_| "a thread panicked")?.push((number, case));
-        Ok(())
+        Ok(case)
     })?;
-    let mut cases = cases.into_inner().map_err(|_| "a thread panicked")?;
-    cases.sort_by_key(|(number, _)| *number);
-    let cases: Vec<Value> = cases.into_iter().map(|(_, case)| case).collect();
     let transfers = transfers(bench, folder, reports, programs, &sources, &calibrated)?;
     let mut results = figures::results(&answers, cases, transfers);
     results["limits_within"] = estimates::within(&limits);

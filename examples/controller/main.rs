@@ -108,28 +108,40 @@ fn run() -> Result<(), Refusal> {
     }
 }
 
-/// Runs `work` for each number below `count` on `jobs` threads; the first refusal ends it.
-fn side_by_side(
+/// Runs `work` for each number below `count` on `jobs` threads, and returns the results in the order of the numbers; the
+/// first refusal ends it.
+fn side_by_side<T: Send>(
     jobs: usize,
     count: usize,
-    work: impl Fn(usize) -> Result<(), Refusal> + Sync,
-) -> Result<(), Refusal> {
+    work: impl Fn(usize) -> Result<T, Refusal> + Sync,
+) -> Result<Vec<T>, Refusal> {
     use std::sync::atomic::{AtomicUsize, Ordering};
     let next = AtomicUsize::new(0);
     let one = || {
+        let mut done = Vec::new();
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
             if number >= count {
-                return Ok(());
+                return Ok(done);
             }
-            if let Err(refusal) = work(number) {
-                next.store(count, Ordering::Relaxed);
-                return Err(refusal);
+            match work(number) {
+                Ok(result) => done.push((number, result)),
+                Err(refusal) => {
+                    next.store(count, Ordering::Relaxed);
+                    return Err(refusal);
+                }
             }
         }
     };
-    std::thread::scope(|scope| {
+    let mut all = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..jobs.max(1)).map(|_| scope.spawn(one)).collect();
-        threads.into_iter().try_for_each(|thread| thread.join().map_err(|_| "a thread panicked")?)
-    })
+        let mut all = Vec::new();
+        for thread in threads {
+            let done: Result<_, Refusal> = thread.join().map_err(|_| "a thread panicked")?;
+            all.extend(done?);
+        }
+        Ok::<_, Refusal>(all)
+    })?;
+    all.sort_by_key(|(number, _)| *number);
+    Ok(all.into_iter().map(|(_, result)| result).collect())
 }

@@ -26,8 +26,7 @@ pub fn record(bench: &Bench, recorder: &Recorder, folder: &Path) -> Result<(), R
     let mut machines: Vec<(&Value, &Value)> =
         programs.iter().map(|program| (&program["machine"], &program["limits"])).collect();
     machines.dedup();
-    let probes = std::sync::Mutex::new(Vec::new());
-    side_by_side(bench.jobs, machines.len(), |number| {
+    let mut probes = side_by_side(bench.jobs, machines.len(), |number| {
         let (machine, limits) = machines[number];
         let name = format!("m{machine:02}");
         let place = folder.join(&name);
@@ -44,12 +43,9 @@ pub fn record(bench: &Bench, recorder: &Recorder, folder: &Path) -> Result<(), R
         };
         run.write(&place.join("clean.csv.gz"), Scale::Command)?;
         eprintln!("{name}: probe, {:.1} s", run.duration());
-        let probe = json!({ "name": name, "kind": "probe", "machine": machine, "limits": limits,
-                            "row_ms": EVERY, "clean_seconds": run.duration() });
-        probes.lock().map_err(|_| "a thread panicked")?.push(probe);
-        Ok(())
+        Ok(json!({ "name": name, "kind": "probe", "machine": machine, "limits": limits,
+                   "row_ms": EVERY, "clean_seconds": run.duration() }))
     })?;
-    let mut probes = probes.into_inner().map_err(|_| "a thread panicked")?;
     probes.sort_by_key(|probe| probe["machine"].as_u64());
     answers["probes"] = json!(probes);
     std::fs::write(place, serde_json::to_string_pretty(&answers)?)?;

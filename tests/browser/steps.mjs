@@ -103,7 +103,7 @@ export const reach = (page, selector) => open(page, page.locator(selector).first
 /** Opens what an element is in: a drawer of the bar, a panel below the picture, what is folded away; a drawer that may lie over it is closed. */
 async function open(page, locator) {
   const openers = await locator.evaluate((element) => {
-    // A panel may replace what was found before this runs, and nothing is around what is replaced.
+    // If a panel has replaced the element in the meantime, it has no parents any more.
     if (!element.isConnected) return null
     const drawer = element.closest('.drawer:not(:popover-open)')
     const over = document.querySelector('.drawer:popover-open')

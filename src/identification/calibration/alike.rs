@@ -5,9 +5,9 @@
 //! axes as one value. If the cost of this value is higher by less than [`MIN_CONTRADICTING_COST`] for each value that is
 //! saved, the machine has it in all axes; otherwise the calibration tries X and Y alone.
 //!
-//! That axes are alike is an assumption, and says nothing about how well the runs determine each of them. The standard
-//! deviation of an axis is therefore that of the fit in which each axis has a separate value: an axis that moves
-//! little may have any acceleration, whatever the deviation of the common one.
+//! The fit of one value assumes that axes are alike; it does not show how well the runs determine each axis. An axis
+//! that hardly moves may have any acceleration, even if the common value has a small standard deviation. Each axis
+//! therefore states the standard deviation from the fit with separate values.
 
 use crate::identification::calibration::judgement::Judgement;
 use crate::identification::calibration::motion::axis_of;

@@ -129,12 +129,15 @@ pub fn spindle_ramp(before: &Machine, guess: &Machine) -> Option<(FreeParameter,
 
 /// Returns the axis whose acceleration the parameter is; `None` for any other parameter.
 pub fn axis_of(freed: &FreeParameter) -> Option<usize> {
-    let key = freed.handle.key();
-    parameters::AXIS_ACCELERATION.iter().position(|own| own.key == key)
+    axis_among(parameters::AXIS_ACCELERATION, freed)
 }
 
 /// Returns the axis whose rapid rate the parameter is; `None` for any other parameter.
 pub fn rapid_axis_of(freed: &FreeParameter) -> Option<usize> {
+    axis_among(parameters::AXIS_RAPID, freed)
+}
+
+fn axis_among(parameters: [Adjustable; 3], freed: &FreeParameter) -> Option<usize> {
     let key = freed.handle.key();
-    parameters::AXIS_RAPID.iter().position(|own| own.key == key)
+    parameters.iter().position(|own| own.key == key)
 }

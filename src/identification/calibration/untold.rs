@@ -42,18 +42,18 @@ pub fn untold(
         let moved = runs.iter().map(|run| farthest(&run.residuals(&last.machine), &run.residuals(machine)));
         cost < last.cost + MIN_CONTRADICTING_COST || moved.fold(0.0, f64::max) < MIN_MOVED_S
     };
+    let is_vague = |value: f64, deviation: f64| MAX_RELATIVE_DEVIATION * value < deviation;
     for axis in alike.axes {
         let mut without = last.machine.clone();
         without.axes[*axis].acceleration = f64::INFINITY;
-        let is_vague =
-            MAX_RELATIVE_DEVIATION * last.machine.axes[*axis].acceleration < alike.deviations[*axis];
-        untold[*axis] = is_vague || is_unseen(&without, cost_of(&without, runs, whitenings));
+        untold[*axis] = is_vague(last.machine.axes[*axis].acceleration, alike.deviations[*axis])
+            || is_unseen(&without, cost_of(&without, runs, whitenings));
     }
     let fitted_ones = (0..all.len()).filter(|at| verdicts[*at] == ParameterVerdict::Fitted);
     for (place, at) in fitted_ones.enumerate() {
         let freed = &all[at].0;
         let Some(axis) = axis_of(freed).filter(|axis| !alike.axes.contains(axis)) else { continue };
-        if MAX_RELATIVE_DEVIATION * last.values[place] < last.deviations[place] {
+        if is_vague(last.values[place], last.deviations[place]) {
             untold[axis] = true;
             continue;
         }
@@ -74,4 +74,55 @@ pub fn untold(
 /// Returns the largest difference between corresponding times of two lists, s.
 fn farthest(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::identification::alignment::{Alignment, Mark, Method, ProgramPlace, times};
+    use crate::machine::Junction;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::simulate;
+
+    /// Both axes hold the run back, but the runs hardly determine the value of Y.
+    #[test]
+    fn an_alike_axis_with_a_vague_value_is_untold() {
+        let mut machine = Machine::default();
+        machine.interpolator.junction = Junction::AccelerationBlend;
+        machine.axes.iter_mut().for_each(|axis| axis.acceleration = 500.0);
+        let toolpath = trace(&read(b"G1 X100 F6000\nY100\nX0\nY0"), &machine);
+        let places: Vec<ProgramPlace> = toolpath.ends().map(ProgramPlace::Along).collect();
+        let simulated = times(&toolpath, &simulate(&toolpath, &machine), &places);
+        let mark = |(place, time): (ProgramPlace, f64)| Mark { place, time, deviation: 1e-3 };
+        let marks = places.into_iter().zip(simulated).map(mark).collect();
+        let alignment = Alignment::of_marks(Method::Lines, 0.0..10.0, marks, 400.0);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let whitenings = [Whitening::new(&alignment, 1e-3)];
+        let last = Fit {
+            cost: cost_of(&machine, &runs, &whitenings),
+            machine,
+            values: Vec::new(),
+            deviations: Vec::new(),
+            correlations: DMatrix::zeros(0, 0),
+            whitened: Vec::new(),
+            converged: true,
+        };
+        let judgement = Judgement {
+            all: Vec::new(),
+            believed: Vec::new(),
+            verdicts: Vec::new(),
+            deviations: Vec::new(),
+            last,
+        };
+        let untold_with = |deviation_of_y: f64| {
+            let alike = AlikeAxes { axes: &[0, 1], deviations: [1.0, deviation_of_y, f64::INFINITY] };
+            untold(&judgement, alike, &runs, &whitenings, |_, _| unreachable!("nothing is fitted"))
+        };
+        assert_eq!(untold_with(20.0), [false; 3]);
+        assert_eq!(untold_with(30.0), [false, true, false]);
+        assert_eq!(untold_with(f64::INFINITY), [false, true, false]);
+    }
 }

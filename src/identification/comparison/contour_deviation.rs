@@ -101,7 +101,7 @@ impl ContourDeviation {
     }
 
     /// Returns the mean squared deviation of each of `count` parts of the recording, with the variance of the
-    /// noise, mm², at the delay of most parts.
+    /// noise, mm², at the common delay of the parts.
     pub fn mean_squares(&self, machine: &Machine, count: usize) -> Vec<f64> {
         let (parts, _) = self.in_step(&actual_motion(&self.samples, machine), count);
         parts.iter().map(|part| part.mean_square() + self.noise * self.noise).collect()
@@ -115,9 +115,9 @@ impl ContourDeviation {
         self.parts_at(&actual, delay, count).iter().map(|part| part.squares).collect()
     }
 
-    /// Returns `count` parts of the recording at the delay (s) that suits them best, and that delay: the median of
-    /// the delays of the parts, each weighted by √Σ v·v, by which it is determined. A wait that the simulation lacks
-    /// shifts the parts near it and no others.
+    /// Returns `count` parts of the recording at their common delay, and this delay (s). Newton steps find it: each step
+    /// is the median of the steps of the parts, and a part has the weight √Σ v·v, the inverse of its uncertainty. A wait
+    /// that the simulation lacks therefore shifts only the parts near it.
     fn in_step(&self, actual: &Samples, count: usize) -> (Vec<Part>, f64) {
         let mut delay = 0.0;
         let mut best = (Vec::new(), delay);

@@ -1,10 +1,10 @@
-//! Where the circle of a blended corner touches the legs.
+//! Contact of the circle of a blended corner with the two legs.
 //!
-//! A circle of radius R touches two lines that turn by φ at R tan(φ/2) from the corner. An arc of radius r has its center on
-//! the inner side of the turn if it bends to that side (σ = 1), and opposite to it otherwise (σ = −1); the circle touches
-//! it if its center is at the distance r − σR from that of the arc. Two such conditions, of lines or arcs, determine the
-//! center; of two solutions the one nearer to the corner counts. Source: LinuxCNC 2.9, src/emc/tp/blendmath.c
-//! (blendLineArcPostProcess, blendArcArcPostProcess).
+//! A circle of radius R touches two lines that turn by φ at R tan(φ/2) from the corner. An arc of radius r is convex if it
+//! bends to the inner side of the turn (σ = 1), otherwise concave (σ = −1). The circle touches an arc if the distance between
+//! the two centers is r − σR. Each leg sets one such condition, and both together determine the center. Of two solutions the
+//! function takes the one nearer to the corner. Source: LinuxCNC 2.9, src/emc/tp/blendmath.c (blendLineArcPostProcess,
+//! blendArcArcPostProcess).
 
 use nalgebra::Vector2;
 
@@ -23,7 +23,7 @@ pub struct ArcLeg {
 pub struct CircleContact {
     /// Distances before and behind the corner, mm.
     pub distances: [f64; 2],
-    /// Angle by which the circle turns, rad.
+    /// Angle of the circle between both contacts, rad.
     pub turn: f64,
 }
 
@@ -49,24 +49,18 @@ pub fn contact(radius: f64, angle: f64, legs: [Option<ArcLeg>; 2], tolerance: f6
 fn with_line(radius: f64, angle: f64, arc: ArcLeg, tolerance: f64, side: usize) -> Option<CircleContact> {
     // The line runs along x to the corner at the origin; the circle lies above it, around (−x, R).
     let sign = arc.sign();
-    let center = (-sign * arc.radius * angle.sin(), sign * arc.radius * angle.cos());
+    let center = Vector2::new(-sign * arc.radius * angle.sin(), sign * arc.radius * angle.cos());
     let between = arc.radius - sign * radius;
-    let root = (between * between - (radius - center.1).powi(2)).sqrt();
-    let ends = [-center.0 + root, -center.0 - root];
+    let root = (between * between - (radius - center.y).powi(2)).sqrt();
+    let ends = [-center.x + root, -center.x - root];
     let along = ends.into_iter().map(f64::abs).reduce(f64::min).filter(|end| end.is_finite())?;
-    if tolerance < along.hypot(radius) - radius {
+    let trimmed = trimmed_angle(center, Vector2::new(-along, radius));
+    if tolerance < along.hypot(radius) - radius || arc.most < trimmed {
         return None;
     }
-    let own = (-along, radius);
-    let (from, to) = ((-center.0, -center.1), (own.0 - center.0, own.1 - center.1));
-    let trimmed = (from.0 * to.1 - from.1 * to.0).atan2(from.0 * to.0 + from.1 * to.1).abs();
-    if arc.most < trimmed {
-        return None;
-    }
-    let turn = angle + sign * trimmed;
     let mut distances = [along; 2];
     distances[side] = trimmed * arc.radius;
-    Some(CircleContact { distances, turn })
+    Some(CircleContact { distances, turn: angle + sign * trimmed })
 }
 
 /// Returns the contact with two arcs.
@@ -83,14 +77,18 @@ fn with_arcs(radius: f64, angle: f64, arcs: [ArcLeg; 2], tolerance: f64) -> Opti
     let across = Vector2::new(-between.y, between.x) / apart;
     let middle = centers[0] + along / apart * between;
     let own = if middle.dot(&across) < 0.0 { middle + beside * across } else { middle - beside * across };
-    let trimmed = [0, 1].map(|side| {
-        let (corner, contact) = (-centers[side], own - centers[side]);
-        corner.perp(&contact).abs().atan2(corner.dot(&contact))
-    });
-    // Where no circle touches both arcs, `beside` is NaN, and so is all of this.
+    let trimmed = centers.map(|center| trimmed_angle(center, own));
+    // If no circle touches both arcs, `beside` is NaN, and no comparison holds.
     let fits = (0..2).all(|side| trimmed[side] <= arcs[side].most) && own.norm() - radius <= tolerance;
     fits.then_some(CircleContact {
         distances: [0, 1].map(|side| trimmed[side] * arcs[side].radius),
         turn: angle + arcs[0].sign() * trimmed[0] + arcs[1].sign() * trimmed[1],
     })
+}
+
+/// Returns the angle that a circle with the center `own` cuts off an arc around `center` that meets the corner at the
+/// origin, rad.
+fn trimmed_angle(center: Vector2<f64>, own: Vector2<f64>) -> f64 {
+    let (corner, contact) = (-center, own - center);
+    corner.perp(&contact).abs().atan2(corner.dot(&contact))
 }

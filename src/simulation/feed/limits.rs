@@ -216,9 +216,9 @@ pub fn curvature(arc: &Arc, length: f64) -> f64 {
     arc.mean_radius() * (arc.sweep / length).powi(2)
 }
 
-/// Returns the curvature by which a control that blends corners plans a helix, 1/mm: that of the radius r + h²/r, with
-/// the radius r and the rise h of the whole arc (mm). LinuxCNC 2.9 does not divide h by the angle, as the curvature of a
-/// helix needs, so that a helix in arcs of 180° is faster than the same one in full turns.
+/// Returns the curvature that LinuxCNC 2.9 assumes for a helix, 1/mm: 1/(r + h²/r), with the radius r and the rise h of
+/// the whole arc (mm). The true curvature has the rise per radian instead of h, so LinuxCNC runs some helices faster than
+/// the acceleration allows.
 pub fn planned_curvature(arc: &Arc, length: f64) -> f64 {
     match arc.rise.norm() {
         0.0 => curvature(arc, length),

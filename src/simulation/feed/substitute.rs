@@ -172,8 +172,8 @@ impl Substitute {
         spread
     }
 
-    /// Converts the corner curves and the merged path of the substitute's plan into those of the program. Returns neither for
-    /// a control without corner curves.
+    /// Converts the corner curves and the merged path of the substitute's plan for the program. For a control without corner
+    /// curves both are empty.
     fn run_path(
         &self,
         curves: Vec<CornerCurve>,
