@@ -241,6 +241,21 @@ fn a_rapid_that_no_run_showed_is_taken_from_the_recording_and_is_no_cause() {
     assert!(rapids[..2].iter().all(|rapid| (rapid / 50.0 - 1.0).abs() < 0.01), "{rapids:?} mm/s");
 }
 
+/// Retracts too short for a plateau of 60 ms, from two depths.
+#[test]
+fn rapids_of_two_lengths_show_the_rate_that_holds_them_back() {
+    let mut slow = truth();
+    (slow.axes[2].acceleration, slow.axes[2].velocity, slow.axes[2].rapid) = (730.0, 62.0, 62.0);
+    let letter = |at: u32| {
+        let (x, depth) = (6 * at, if at.is_multiple_of(3) { "0.3" } else { "0.963" });
+        format!("G0 X{x}\nZ1\nG1 Z-{depth} F250\nG2 X{}.5 Y2 I1.5 J0.5 F970\nG0 Z7.5\nY0\n", 6 * at + 1)
+    };
+    let letters: String = (0..8).map(letter).collect();
+    let machine = calibrated_on_run(&format!("G21 G90 G64\nG0 Z7.5\nX0 Y0\n{letters}M30\n"), &slow);
+    assert!((machine.axes[2].rapid / 62.0 - 1.0).abs() < 1e-3, "{} mm/s", machine.axes[2].rapid);
+    assert_eq!(machine.calibrated_on.assumed_rapids, [true, true, false]);
+}
+
 #[test]
 fn a_tool_change_that_no_run_had_is_taken_from_the_recording_and_widens_the_range() {
     let machine = calibrated(&rows('Y'));

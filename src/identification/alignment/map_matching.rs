@@ -73,6 +73,11 @@ impl Track {
     pub fn velocity_between(&self, from: usize, to: usize) -> Vector {
         (self.position[to] - self.position[from]) / (self.time[to] - self.time[from])
     }
+
+    /// Returns the mean velocities over three successive windows of `window` samples from the sample `first` on, mm/s.
+    pub fn successive_velocities(&self, first: usize, window: usize) -> [Vector; 3] {
+        [0, 1, 2].map(|part| self.velocity_between(first + part * window, first + (part + 1) * window))
+    }
 }
 
 /// The places of the samples of a pass.

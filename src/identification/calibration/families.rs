@@ -100,9 +100,8 @@ fn with_parabolas(planner: &Machine) -> Machine {
     machine
 }
 
-/// Returns the planner with the rapids limited in each way that its family may have: by each axis or, if its
-/// control has such a limit, along the path. Rapids are as fast as recorded or, if no positions were recorded, as
-/// fast as in the machine file and with the filters.
+/// Returns the planner with the rapids limited as its family limits them, by each axis or along the path. Rapids are as fast
+/// as recorded or, if no positions were recorded, as fast as in the machine file and with the filters.
 fn with_rapids(
     family: Planner,
     planner: &Machine,
@@ -120,10 +119,9 @@ fn with_rapids(
     let of = |seen: &RapidPlateaus| {
         let [by_axis, along_path] = seen.given(planner, machine);
         // Klipper's rapids are moves with a feedrate like any other; the others run each axis at its own rate.
-        let is_free = family == Planner::SquareCorner;
-        [by_axis].into_iter().chain(is_free.then_some(along_path)).collect::<Vec<_>>()
+        if family == Planner::SquareCorner { along_path } else { by_axis }
     };
-    let mut machines: Vec<Machine> = plateaus.iter().flat_map(of).collect();
+    let mut machines: Vec<Machine> = plateaus.iter().map(of).collect();
     machines.iter_mut().for_each(|machine| limit_feed_as_rapids(machine, seen));
     machines
 }

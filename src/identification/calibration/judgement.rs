@@ -3,7 +3,7 @@
 use crate::identification::calibration::choice::{Fitting, Model};
 use crate::identification::calibration::{
     MAX_DOUBTFUL_DEVIATIONS, MAX_POLLED_WAIT_DEVIATION_S, MIN_CONTRADICTING_COST, ParameterVerdict, assumed,
-    is_unknown, polled, put_back, settle_waits,
+    is_unknown, motion, polled, put_back, rapids, settle_waits,
 };
 use crate::identification::fit::{Exactness, Fit, FreeParameter};
 use crate::simulation::ordered::sort_by_number;
@@ -39,7 +39,14 @@ impl Fitting<'_> {
         let believed: Vec<f64> = all.iter().map(|(_, before)| *before).collect();
         assumed::lend(&mut all, best);
         let are_polled = self.runs.iter().all(|run| polled(run).is_some());
-        let verdicts = first_verdicts(&all, best, are_polled);
+        let mut verdicts = first_verdicts(&all, best, are_polled);
+        for ((freed, back), verdict) in all.iter_mut().zip(&mut verdicts) {
+            let axis = motion::rapid_axis_of(freed);
+            let recorded = |axis: usize| rapids::recorded(axis, *back, &best.machine, self.plateaus);
+            if let Some(rate) = axis.and_then(recorded) {
+                (*back, *verdict) = (rate, ParameterVerdict::Recorded);
+            }
+        }
         self.share.part = 0.04;
         let last = put_back(best, &all, &verdicts, self.runs, &model.whitenings, &mut self.share);
         let mut judgement = Judgement { all, believed, verdicts, deviations: best.deviations.clone(), last };

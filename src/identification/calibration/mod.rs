@@ -26,6 +26,7 @@ mod families;
 mod judgement;
 mod laws;
 mod motion;
+mod rapid_moves;
 mod rapids;
 mod spindle;
 mod steps;
@@ -85,6 +86,8 @@ pub enum ParameterVerdict {
     Agrees,
     /// The data do not show the parameter, which keeps the value before.
     Unknown,
+    /// The parameter has the value that the recorded rapids hold.
+    Recorded,
 }
 
 /// A parameter after the calibration.
@@ -165,6 +168,9 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         let own = if *verdict == ParameterVerdict::Fitted { fitted.next() } else { None };
         let (value, deviation) = match own {
             Some((value, deviation)) => (*value, *deviation),
+            None if *verdict == ParameterVerdict::Recorded => {
+                (*before, rapids::deviation_of_plateau(*before))
+            }
             None => (*before, deviations[at]),
         };
         Estimate {

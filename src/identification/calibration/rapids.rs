@@ -2,14 +2,14 @@
 //!
 //! A rapid that shows a plateau was as fast as the machine allows; one that speeds up and slows down without a
 //! plateau shows only that the machine is no slower. On a plateau, the mean velocities over three successive
-//! windows of [`WINDOW_S`] on one rapid segment are equal to the part [`PLATEAU`]; those over two windows are also
-//! equal where a ramp up meets a ramp down in the middle. A ramp of the acceleration A changes them by A
-//! `WINDOW_S`, which is more wherever A matters.
+//! windows on one rapid segment are equal to the part [`PLATEAU`]; those over two windows are
+//! also equal where a ramp up meets a ramp down in the middle.
 //!
 //! A line that is cut more slowly than programmed, at a constant velocity, is held back by the axis that moves
 //! furthest, if that axis is nowhere faster where it cuts.
 
 use crate::identification::alignment::Fix;
+use crate::identification::calibration::rapid_moves::{RapidPeak, at_limit, rapid_moves};
 use crate::identification::fit::Run;
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::limits;
@@ -20,8 +20,9 @@ use crate::simulation::toolpath::{Curve, Motion, Segment, Vector};
 const WINDOW_S: f64 = 0.02;
 /// Least number of samples in a window.
 const MIN_SAMPLES: usize = 4;
-/// Ratio to the programmed velocity below which an axis is held back.
-const MAX_HELD_BACK_RATIO: f64 = 0.98;
+/// Ratio to the programmed velocity below which an axis is held back: neither that velocity nor a plateau is known
+/// better.
+const MAX_HELD_BACK_RATIO: f64 = 1.0 - 2.0 * PLATEAU;
 /// Least number of moments at which a recorded velocity is met for it to be a limit.
 const MIN_VISITS: usize = 4;
 /// Least time between two such moments, s.
@@ -69,6 +70,17 @@ pub struct ReachedVelocity {
     pub certain: f64,
 }
 
+/// The velocities of the rapids of some runs, each axis without its sign, mm/s.
+#[derive(Default)]
+struct RapidVelocities {
+    /// Velocities on plateaus.
+    held: Vec<Vector>,
+    /// Highest velocity of each axis in each rapid.
+    fastest: Vec<Vector>,
+    /// Highest velocity along each rapid.
+    peaks: Vec<RapidPeak>,
+}
+
 impl ReachedVelocity {
     /// Returns the velocities from the highest one of each rapid (mm/s), with a standard deviation of `noise` (mm/s),
     /// and from the highest plateau (mm/s).
@@ -85,50 +97,46 @@ impl RapidPlateaus {
     /// Returns the fastest plateaus of the runs; `None` if no run has positions.
     pub fn of(runs: &[Run]) -> Option<RapidPlateaus> {
         let mut seen = RapidPlateaus::default();
-        let (mut rapids, mut each) = (Vec::new(), Vec::new());
+        let mut rapids = RapidVelocities::default();
         let with_positions = runs.iter().filter(|run| run.alignment.track.is_some());
-        let count = with_positions.clone().map(|run| seen.take(run, &mut rapids, &mut each)).count();
-        seen.path = rapids.iter().map(Vector::norm).reduce(f64::max);
-        (seen.axes, seen.guessed_axes) = rates(&rapids);
+        let count = with_positions.clone().map(|run| seen.take(run, &mut rapids)).count();
         let tracks = with_positions.filter_map(|run| run.alignment.track.as_ref());
         let noise = tracks.map(|track| track.noise).fold(0.0, f64::max) * std::f64::consts::SQRT_2 / WINDOW_S;
-        let plateau = fastest_of(&rapids);
+        let mut held = rapids.held;
+        held.extend(at_limit(&rapids.peaks, MAX_NOISE_DEVIATIONS * noise));
+        seen.path = held.iter().map(Vector::norm).reduce(f64::max);
+        (seen.axes, seen.guessed_axes) = rates(&held);
+        let plateau = fastest_of(&held);
         seen.reached = [0, 1, 2].map(|axis| {
-            ReachedVelocity::of(each.iter().map(|fastest| fastest[axis]).collect(), noise, plateau[axis])
+            let fastest_of_each = rapids.fastest.iter().map(|fastest| fastest[axis]).collect();
+            ReachedVelocity::of(fastest_of_each, noise, plateau[axis])
         });
         (0 < count).then_some(seen)
     }
 
-    /// Adds the plateaus of a run, to `rapids` the velocities on those of its rapids, and to `each` the highest
-    /// velocities of each of its rapids, mm/s.
-    fn take(&mut self, run: &Run, rapids: &mut Vec<Vector>, each: &mut Vec<Vector>) {
-        let Some(track) = &run.alignment.track else { return };
+    /// Adds the plateaus of a run, to `rapids` the velocities of its rapids.
+    fn take(&mut self, run: &Run, rapids: &mut RapidVelocities) {
+        let (Some(track), segments) = (&run.alignment.track, &run.toolpath.segments) else { return };
         let window = ((WINDOW_S / track.interval).ceil() as usize).max(MIN_SAMPLES);
         let distances = run.toolpath.distances();
         self.take_fastest(run, window);
         let segment = |fix: &Fix| segment_of(fix, &distances);
-        let mut rapid = None;
+        for rapid in rapid_moves(run, segment) {
+            let own = rapid.window(track, MAX_NOISE_DEVIATIONS * track.noise, PLATEAU);
+            rapids.held.extend(rapid.successive(track, own).filter_map(steady));
+            rapids.peaks.extend(rapid.peak(track, window));
+            rapids.fastest.push(rapid.fastest(track, window));
+        }
         for fixes in run.alignment.fixes.windows(3 * window + 1).step_by(window.div_ceil(2)) {
             let (begin, end) = (&fixes[0], &fixes[3 * window]);
             let (Some(first), Some(last)) = (begin.sample, end.sample) else { continue };
             let index = segment(begin);
             let is_one = index == segment(end) && last - first == 3 * window;
-            if !is_one || index >= run.toolpath.segments.len() {
-                continue;
-            }
-            let velocities = [0, 1, 2].map(|part| {
-                let (from, to) = (first + part * window, first + (part + 1) * window);
-                track.velocity_between(from, to)
-            });
-            if run.toolpath.segments.motion(index) == Motion::Rapid {
-                rapids.extend(steady(velocities));
-                if rapid.replace(index) != Some(index) {
-                    each.push(Vector::zeros());
-                }
-                let fastest = each.last_mut().expect("one of this rapid");
-                *fastest = fastest.sup(&fastest_of(&velocities.map(|velocity| velocity.abs())));
-            } else if *run.toolpath.segments.curve(index) == Curve::Line {
-                self.add_cut(velocities, &run.toolpath.segments.at(index));
+            let is_cut = index < segments.len()
+                && segments.motion(index) != Motion::Rapid
+                && *segments.curve(index) == Curve::Line;
+            if is_one && is_cut {
+                self.add_cut(track.successive_velocities(first, window), &segments.at(index));
             }
         }
     }
@@ -262,7 +270,8 @@ fn steady(velocities: [Vector; 3]) -> Option<Vector> {
 /// Returns the rates of the axes (mm/s) from the velocities on the plateaus of rapids, for machines that limit each
 /// axis separately, `None` for an axis whose rate they do not show; and `true` for each axis whose rate is a guess. The
 /// highest velocity of an axis is its rate if the axis reached it while no other axis was at its highest. A rapid that
-/// no such axis holds back is held back by the axis that moves furthest, if axes are alike.
+/// no such axis holds back, to within twice [`PLATEAU`] as each of its windows may differ by that, is held back by the
+/// axis that moves furthest, if axes are alike.
 fn rates(rapids: &[Vector]) -> ([Option<f64>; 3], [bool; 3]) {
     let fastest = fastest_of(rapids);
     let is_fastest = |velocity: &Vector, axis: usize| {
@@ -274,7 +283,8 @@ fn rates(rapids: &[Vector]) -> ([Option<f64>; 3], [bool; 3]) {
     let mut told = [0, 1, 2].map(|axis| rapids.iter().any(|velocity| is_alone(velocity, axis)));
     let mut guessed = [false; 3];
     for velocity in rapids {
-        if !(0..3).any(|axis| told[axis] && is_fastest(velocity, axis)) {
+        let holds_back = |axis: usize| told[axis] && (1.0 - 2.0 * PLATEAU) * fastest[axis] <= velocity[axis];
+        if !(0..3).any(holds_back) {
             (told[velocity.iamax()], guessed[velocity.iamax()]) = (true, true);
         }
     }
@@ -321,6 +331,19 @@ pub fn assumed(machine: &Machine, plateaus: Option<RapidPlateaus>) -> [bool; 3] 
         false => seen.axes[axis].is_none() || seen.guessed_axes[axis],
     };
     [0, 1, 2].map(is_assumed)
+}
+
+/// Returns the rapid rate of an axis of a planner that the runs show, mm/s; `None` if they do not show it, or if the rate is
+/// `before`. It is more accurate than what a fit makes of the little time that such a limit costs.
+pub fn recorded(axis: usize, before: f64, machine: &Machine, plateaus: Option<RapidPlateaus>) -> Option<f64> {
+    let seen = plateaus.filter(|_| !machine.has_filters() && !assumed(machine, plateaus)[axis])?;
+    seen.axes[axis].filter(|rate| PLATEAU * rate < (before - rate).abs())
+}
+
+/// Returns the standard deviation of a rate (mm/s) that is read off plateaus, mm/s: rates that agree to the part
+/// [`PLATEAU`] count as equal.
+pub fn deviation_of_plateau(rate: f64) -> f64 {
+    PLATEAU * rate / 3f64.sqrt()
 }
 
 /// Sets `own` to the faster of both.
@@ -378,6 +401,9 @@ mod tests {
         assert_eq!(rates(&[x_alone, held_back_by_y]), ([Some(170.0), Some(90.0), None], [false; 3]));
         // Of one diagonal nobody knows which axis holds it back, and axes are alike.
         assert_eq!(rates(&[held_back_by_y]), ([Some(123.0), None, None], [true, false, false]));
+        // A rapid that ends in a ramp within the last window is no other one.
+        let [x, slower] = [170.0, 168.6].map(|x| Vector::new(x, 0.0, 0.0));
+        assert_eq!(rates(&[x, slower]), ([Some(170.0), None, None], [false; 3]));
         assert_eq!(rates(&[]), ([None; 3], [false; 3]));
     }
 

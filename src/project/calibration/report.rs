@@ -174,7 +174,13 @@ fn word(verdict: ParameterVerdict) -> &'static str {
         ParameterVerdict::Fitted => "fitted",
         ParameterVerdict::Agrees => "agrees, kept",
         ParameterVerdict::Unknown => "these runs cannot determine it",
+        ParameterVerdict::Recorded => "read off the recorded rapids",
     }
+}
+
+/// Returns `true` if the calibration gave the parameter a value of the runs.
+fn is_changed(estimate: &Estimate) -> bool {
+    matches!(estimate.verdict, ParameterVerdict::Fitted | ParameterVerdict::Recorded)
 }
 
 fn estimate_row(estimate: &Estimate) -> EstimateRow {
@@ -196,9 +202,7 @@ fn estimate_row(estimate: &Estimate) -> EstimateRow {
         unit: unit.symbol(),
         before: as_limit(before),
         after: match deviation {
-            Some(deviation) if estimate.verdict == ParameterVerdict::Fitted => {
-                to_the_digits_of(after, deviation)
-            }
+            Some(deviation) if is_changed(estimate) => to_the_digits_of(after, deviation),
             _ => as_limit(after),
         },
         deviation: deviation.map(|deviation| to_the_digits_of(deviation, deviation)),
@@ -267,8 +271,7 @@ fn sentence(calibration: &Calibration) -> String {
         many => format!("{many} runs"),
     };
     let which = if calibration.runs.len() == 1 { "" } else { " at most" };
-    let fitted =
-        calibration.estimates.iter().filter(|estimate| estimate.verdict == ParameterVerdict::Fitted).count();
+    let fitted = calibration.estimates.iter().filter(|estimate| is_changed(estimate)).count();
     format!(
         "Calibrated from {count}: the cycle time is off by {:.1} %{which} now, {:.1} % before; {fitted} of {} parameters \
          changed.",

@@ -1,0 +1,214 @@
+//! Rapids of a recording, one by one: how fast each becomes, and whether it holds a velocity.
+//!
+//! The highest velocity v of a move from rest that only its ramps hold back grows with the length s:
+//!
+//! | ramps | v |
+//! |---|---|
+//! | of an acceleration A | (A s)^(1/2) |
+//! | of a jerk J, both ways within the move | (J s² / 4)^(1/3) |
+//! | of a filter with a time constant T, longer than the programmed move | s / T |
+//!
+//! so that of two lengths the longer makes at least the root of their ratio in velocity. If an axis moves along different
+//! lengths and reaches one highest velocity in all of them, then a limit holds it back.
+//!
+//! A velocity is held if its means over three successive windows are equal. Ramps of a jerk J are the flattest that meet:
+//! around the highest velocity J T², over windows of a part q of the move's time 4 T, the means differ by 8 q² of it. For
+//! [`MIN_WINDOW_RATIO`] that is 2 %.
+//!
+//! Limits: if all rapids have one length and none holds a velocity, their velocity does not tell a limit from the ramps.
+
+use crate::identification::alignment::{Fix, Track};
+use crate::identification::fit::Run;
+use crate::simulation::toolpath::{Motion, Vector};
+
+/// Least ratio of a window to the time of its move.
+const MIN_WINDOW_RATIO: f64 = 0.05;
+/// Least number of samples in a window.
+const MIN_SAMPLES: usize = 2;
+/// Least ratio of the difference that ramps make between two velocities to the tolerance within which the velocities are
+/// equal: moves that begin or end in a blend are not from rest.
+const MIN_DISTINCTION: f64 = 10.0;
+
+/// A rapid of a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RapidMove {
+    /// First and last sample on it.
+    samples: (usize, usize),
+    /// Distance that each axis moves, mm.
+    length: Vector,
+}
+
+/// The highest velocity of a rapid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RapidPeak {
+    /// Mean velocity over the fastest window, each axis without its sign, mm/s.
+    pub velocity: Vector,
+    /// Distance that each axis moves, mm.
+    pub length: Vector,
+}
+
+/// Returns the rapids of a run whose samples have no gap. `segment` returns the segment on which a fix is.
+pub fn rapid_moves(run: &Run, segment: impl Fn(&Fix) -> usize) -> Vec<RapidMove> {
+    let segments = &run.toolpath.segments;
+    let mut moves: Vec<RapidMove> = Vec::new();
+    let mut of_last = None;
+    for fix in &run.alignment.fixes {
+        let index = segment(fix);
+        let is_rapid = index < segments.len() && segments.motion(index) == Motion::Rapid;
+        let Some(sample) = fix.sample.filter(|_| is_rapid) else { continue };
+        match moves.last_mut().filter(|own| of_last == Some(index) && own.samples.1 + 1 == sample) {
+            Some(own) => own.samples.1 = sample,
+            None => {
+                let segment = segments.at(index);
+                let length = (segment.end - segment.start).abs();
+                moves.push(RapidMove { samples: (sample, sample), length });
+            }
+        }
+        of_last = Some(index);
+    }
+    moves
+}
+
+impl RapidMove {
+    /// Returns the shortest window, in samples, over which a velocity that the move holds differs from ramps that meet, and
+    /// is known to the part `accuracy` if positions are known to `noise` (mm).
+    pub fn window(&self, track: &Track, noise: f64, accuracy: f64) -> usize {
+        let (first, last) = self.samples;
+        let seconds = track.time[last] - track.time[first];
+        let by_ramps = MIN_WINDOW_RATIO * seconds / track.interval;
+        let mean_speed = self.length.norm() / seconds;
+        let by_noise = std::f64::consts::SQRT_2 * noise / (accuracy * mean_speed * track.interval);
+        (by_ramps.max(by_noise).ceil() as usize).max(MIN_SAMPLES)
+    }
+
+    /// Returns the mean velocities over each three successive windows of `window` samples, mm/s.
+    pub fn successive(&self, track: &Track, window: usize) -> impl Iterator<Item = [Vector; 3]> {
+        let (first, last) = self.samples;
+        let begins = first..(last + 1).saturating_sub(window.saturating_mul(3));
+        begins.map(move |begin| track.successive_velocities(begin, window))
+    }
+
+    /// Returns the highest velocity of each axis over `window` samples, mm/s.
+    pub fn fastest(&self, track: &Track, window: usize) -> Vector {
+        self.velocities(track, window).fold(Vector::zeros(), |fastest, own| fastest.sup(&own))
+    }
+
+    /// Returns the highest velocity over `window` samples; `None` if the move has fewer.
+    pub fn peak(&self, track: &Track, window: usize) -> Option<RapidPeak> {
+        let fastest = self.velocities(track, window).max_by(|a, b| a.norm().total_cmp(&b.norm()));
+        fastest.map(|velocity| RapidPeak { velocity, length: self.length })
+    }
+
+    /// Returns the mean velocity over each `window` samples, each axis without its sign, mm/s.
+    fn velocities(&self, track: &Track, window: usize) -> impl Iterator<Item = Vector> {
+        let (first, last) = self.samples;
+        let begins = first..(last + 1).saturating_sub(window);
+        begins.map(move |begin| track.velocity_between(begin, begin + window).abs())
+    }
+}
+
+/// Returns the velocities (mm/s) of rapids that a limit holds back: for each axis those of rapids mainly in its direction
+/// that reach its highest velocity, to within `tolerance` (mm/s), if it moves along unequal lengths in them.
+pub fn at_limit(peaks: &[RapidPeak], tolerance: f64) -> Vec<Vector> {
+    let of = |axis: usize| {
+        let along = peaks.iter().filter(|peak| peak.velocity.iamax() == axis);
+        let fastest = along.clone().map(|peak| peak.velocity[axis]).fold(0.0, f64::max);
+        let reach: Vec<&RapidPeak> =
+            along.filter(|peak| fastest - tolerance <= peak.velocity[axis]).collect();
+        let lengths = reach.iter().map(|peak| peak.length[axis]);
+        let shortest = lengths.clone().fold(f64::INFINITY, f64::min);
+        let ratio_by_ramps = (lengths.fold(0.0, f64::max) / shortest).sqrt();
+        let is_limited = MIN_DISTINCTION * tolerance <= (ratio_by_ramps - 1.0) * fastest;
+        reach.into_iter().filter(move |_| is_limited).map(|peak| peak.velocity).collect::<Vec<Vector>>()
+    };
+    (0..3).flat_map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::toolpath::Point;
+
+    /// A rapid in Z, every 2 ms, at a velocity (mm/s) over the time (s).
+    fn rapid(seconds: f64, velocity: impl Fn(f64) -> f64) -> (Track, RapidMove) {
+        const INTERVAL_S: f64 = 0.002;
+        let time: Vec<f64> = (0..=(seconds / INTERVAL_S) as usize).map(|at| INTERVAL_S * at as f64).collect();
+        let mut z = 0.0;
+        let position: Vec<Point> = time
+            .iter()
+            .map(|time| {
+                z += velocity(*time) * INTERVAL_S;
+                Point::new(0.0, 0.0, z)
+            })
+            .collect();
+        let rapid = RapidMove { samples: (0, time.len() - 1), length: Vector::new(0.0, 0.0, z) };
+        (Track { time, position, recorded: [true; 3], noise: 1e-4, interval: INTERVAL_S }, rapid)
+    }
+
+    /// Whether three successive windows of the rapid differ by less than a two-hundredth.
+    fn holds_a_velocity((track, rapid): &(Track, RapidMove)) -> bool {
+        let window = rapid.window(track, 4.0 * track.noise, 0.005);
+        rapid.successive(track, window).any(|[before, within, after]| {
+            [before, after].iter().all(|other| (other.z / within.z - 1.0).abs() < 0.005)
+        })
+    }
+
+    #[test]
+    fn a_rapid_may_hold_its_velocity_briefly_and_no_ramp_does() {
+        let trapezoid = |time: f64| (730.0 * time.min(0.22 - time)).min(62.0);
+        assert!(holds_a_velocity(&rapid(0.22, trapezoid)));
+        let triangle = |time: f64| 730.0 * time.min(0.2 - time);
+        assert!(!holds_a_velocity(&rapid(0.2, triangle)));
+        for seconds in [0.05, 0.2, 1.0, 2.0] {
+            let quarter = seconds / 4.0;
+            let by_jerk = |time: f64| {
+                let from_end = time.min(seconds - time) / quarter;
+                let until_peak = 2.0 - from_end;
+                60.0 * if from_end < 1.0 { from_end.powi(2) / 2.0 } else { 1.0 - until_peak.powi(2) / 2.0 }
+            };
+            assert!(!holds_a_velocity(&rapid(seconds, by_jerk)), "{seconds} s");
+        }
+        // A few samples have no windows.
+        assert!(!holds_a_velocity(&rapid(0.004, |_| 62.0)));
+    }
+
+    fn limits_of(peaks: &[([f64; 2], f64)]) -> Vec<[f64; 2]> {
+        let peak = |([x, z], seconds): &([f64; 2], f64)| {
+            let velocity = Vector::new(*x, 0.0, *z);
+            RapidPeak { velocity, length: *seconds * velocity }
+        };
+        let limits = at_limit(&peaks.iter().map(peak).collect::<Vec<RapidPeak>>(), 0.05);
+        limits.into_iter().map(|velocity| [velocity.x, velocity.z]).collect()
+    }
+
+    #[test]
+    fn rapids_of_two_lengths_that_are_equally_fast_show_a_limit() {
+        let (short, long) = ([0.0, 61.96], [0.0, 62.0]);
+        assert_eq!(limits_of(&[(short, 0.11), (long, 0.14), ([0.0, 27.0], 0.05)]), [short, long]);
+        // In whichever direction the axis moves at its limit.
+        let (straight, diagonal) = ([60.0, 0.0], [60.0, 15.0]);
+        assert_eq!(limits_of(&[(straight, 0.1), (diagonal, 0.2)]), [straight, diagonal]);
+    }
+
+    #[test]
+    fn ramps_show_no_limit() {
+        let by_acceleration = |length: f64| (730.0 * length).sqrt();
+        let by_filter = |length: f64| length / 0.2;
+        for ramp in [by_acceleration as fn(f64) -> f64, by_filter] {
+            let lengths = (0..40).map(|at| 5.0 + 0.03 * f64::from(at));
+            let peaks: Vec<([f64; 2], f64)> =
+                lengths.map(|length| ([0.0, ramp(length)], length / ramp(length))).collect();
+            assert!(limits_of(&peaks).is_empty());
+        }
+    }
+
+    #[test]
+    fn one_length_shows_no_limit() {
+        assert!(limits_of(&[([0.0, 62.0], 0.11), ([0.0, 62.0], 0.11)]).is_empty());
+    }
+
+    #[test]
+    fn what_is_equally_fast_below_the_highest_velocity_is_at_no_limit() {
+        assert!(limits_of(&[([0.0, 45.6], 0.1), ([0.0, 45.6], 0.2), ([0.0, 60.0], 0.2)]).is_empty());
+    }
+}
