@@ -256,6 +256,21 @@ fn rapids_of_two_lengths_show_the_rate_that_holds_them_back() {
     assert_eq!(machine.calibrated_on.assumed_rapids, [true, true, false]);
 }
 
+/// Moves of rest to rest, each with a dwell after it, as the probe has them.
+#[test]
+fn dwells_that_last_longer_are_no_slower_axes() {
+    let mut late = truth();
+    late.times.dwell_excess = 0.006;
+    let program = rows('Y').replace("Z-", "G4 P0.1\nG1 Z-");
+    let machine = calibrated_on_run(&program, &late);
+    assert!((machine.times.dwell_excess - 0.006).abs() < 5e-4, "{} s", machine.times.dwell_excess);
+    let accelerations = [machine.axes[1].acceleration / 800.0, machine.axes[2].acceleration / 450.0];
+    assert!(
+        accelerations.iter().all(|ratio| (ratio - 1.0).abs() < 0.02),
+        "{accelerations:?} of the true ones"
+    );
+}
+
 #[test]
 fn a_tool_change_that_no_run_had_is_taken_from_the_recording_and_widens_the_range() {
     let machine = calibrated(&rows('Y'));

@@ -73,9 +73,13 @@ struct Trial<'a> {
 pub fn score(bench: &Bench, folder: &Path, reports: &Path) -> Result<(), Refusal> {
     let answers: Value = serde_json::from_slice(&std::fs::read(folder.join("answers.json"))?)?;
     let programs = answers["programs"].as_array().ok_or("the answers name no programs")?;
-    let preset = reports.join("preset.toml");
+    let version = std::process::Command::new(&bench.truefeed).arg("--version").output()?;
+    let version = String::from_utf8_lossy(&version.stdout).trim().to_string();
     std::fs::create_dir_all(reports)?;
-    std::fs::write(&preset, bench.begin_with()?)?;
+    let begin_with = bench.begin_with()?;
+    claim(reports, &json!({ "seed": answers["seed"], "truefeed": version, "preset": begin_with }))?;
+    let preset = reports.join("preset.toml");
+    std::fs::write(&preset, begin_with)?;
     let probes = answers["probes"].as_array().map_or(&[][..], Vec::as_slice);
     let sources: Vec<&Value> = programs.iter().chain(probes).collect();
     let said = side_by_side(bench.jobs, sources.len(), |number| {
@@ -100,12 +104,27 @@ pub fn score(bench: &Bench, folder: &Path, reports: &Path) -> Result<(), Refusal
     results["limits_within"] = estimates::within(&limits);
     results["limits"] = json!(limits);
     results["calibrations"] = json!({ "of": sources.len(), "refused": refused });
-    let version = std::process::Command::new(&bench.truefeed).arg("--version").output()?;
-    results["truefeed"] = json!(String::from_utf8_lossy(&version.stdout).trim());
+    results["truefeed"] = json!(version);
     std::fs::write(reports.join("results.json"), serde_json::to_string_pretty(&results)?)?;
     let page = figures::page(&results);
     std::fs::write(reports.join("figures.md"), &page)?;
     print!("{page}");
+    Ok(())
+}
+
+/// Keeps in `reports` that they are those of `scored`; refuses a folder with the reports of another seed, program or
+/// preset, which would count as answers of this one.
+fn claim(reports: &Path, scored: &Value) -> Result<(), Refusal> {
+    let place = reports.join("scored.json");
+    let kept: Option<Value> =
+        std::fs::read(&place).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
+    if let Some(kept) = kept.filter(|kept| kept != scored) {
+        let of = format!("{} by {}", kept["seed"], kept["truefeed"]);
+        return Err(
+            format!("{} holds the reports of the seed {of}: give another --out", reports.display()).into()
+        );
+    }
+    std::fs::write(place, serde_json::to_string(scored)?)?;
     Ok(())
 }
 

@@ -27,6 +27,9 @@ use std::collections::BTreeMap;
 pub struct FunctionTimes {
     /// Time from the start of the program to its first block, s; neutral 0.
     pub start: f64,
+    /// Time by which a dwell lasts longer than programmed, s, because the control continues in a later cycle of its task;
+    /// neutral 0.
+    pub dwell_excess: f64,
     /// Tool change at M6, s.
     pub tool_change: f64,
     /// First tool change of a program, at which the spindle may be empty, s; neutral `None`: as other tool
@@ -155,6 +158,7 @@ impl Default for FunctionTimes {
     fn default() -> FunctionTimes {
         FunctionTimes {
             start: 0.0,
+            dwell_excess: 0.0,
             tool_change: 4.0,
             first_tool_change: None,
             tools: BTreeMap::new(),

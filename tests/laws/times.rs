@@ -76,6 +76,7 @@ fn parts(breakdown: &Breakdown) -> [f64; 12] {
     ]
 }
 
+const DWELL: usize = 2;
 const TOOL_CHANGE: usize = 3;
 const OTHER: usize = 4;
 const SPINDLE: usize = 5;
@@ -90,8 +91,9 @@ const START: usize = 11;
 fn each_time_is_added_as_often_as_it_is_asked_for() {
     let before = parts(&breakdown_on(&Machine::default()));
     type Change = fn(&mut FunctionTimes);
-    let cases: [(Change, usize, f64); 17] = [
+    let cases: [(Change, usize, f64); 18] = [
         (|t| t.start = 4.5, START, 4.5),
+        (|t| t.dwell_excess = 0.004, DWELL, 0.004),
         // The third M6 finds its tool in the spindle.
         (|t| t.tool_change += 1.0, TOOL_CHANGE, 2.0),
         (|t| t.first_tool_change = Some(t.tool_change - 1.5), TOOL_CHANGE, -1.5),
@@ -117,7 +119,7 @@ fn each_time_is_added_as_often_as_it_is_asked_for() {
         change(&mut machine.times);
         let after = parts(&breakdown_on(&machine));
         for (other, (after, before)) in after.into_iter().zip(before).enumerate() {
-            let is_part = other == part || (other == OTHER && part != TOOL_CHANGE);
+            let is_part = other == part || (other == OTHER && part != TOOL_CHANGE && part != DWELL);
             let expected = if is_part { expected } else { 0.0 };
             assert!(
                 (after - before - expected).abs() < 1e-9,
@@ -169,13 +171,14 @@ fn neutral_times_leave_the_result_as_it_is() {
         given.times.first_tool_change = Some(given.times.tool_change);
         given.times.spindle.exponent = Some(3.0);
         given.times.spindle_awaited_by = vec![8, 30];
+        given.times.dwell_excess = 0.0;
         given.times.spindle_change = 0.0;
         given.times.spindle_at_feed = 0.0;
         given.times.spindle_ramp_at_feed = 0.0;
         assert_eq!(breakdown_on(&given), breakdown_on(&plain));
     }
     let rows = PARAMETERS.iter().filter(|row| row.key.starts_with("times."));
-    assert_eq!(rows.count(), 23, "a new time belongs into these laws");
+    assert_eq!(rows.count(), 24, "a new time belongs into these laws");
 }
 
 /// A random path with random stops and operations.

@@ -11,9 +11,12 @@ use crate::identification::calibration::{
 };
 use crate::identification::comparison::Comparison;
 use crate::identification::effects::MIN_EXPLAINED_SHARE;
-use crate::identification::effects::parameters::{FILTERS, PROGRAM_START};
+use crate::identification::effects::parameters::{DWELL_EXCESS, FILTERS, PROGRAM_START};
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::{Machine, TimeConstants};
+
+/// Time by which a dwell lasts longer than programmed, before any fit, s: half a cycle of a task of 10 ms.
+const DWELL_EXCESS_S: f64 = 0.005;
 
 /// The common input of all fits of a calibration.
 pub struct Fitting<'a> {
@@ -56,6 +59,9 @@ impl<'a> Fitting<'a> {
             let freed = PROGRAM_START.calibrated(seconds);
             freed.apply(&mut guess, seconds);
             waits.push((freed, machine.times.start));
+        }
+        if runs.iter().flat_map(|run| &run.toolpath.stops).any(|stop| stop.cause.dwell().is_some()) {
+            waits.push((DWELL_EXCESS.calibrated(DWELL_EXCESS_S), machine.times.dwell_excess));
         }
         let share = Share { done: 0.0, part: 0.2, progress };
         (Fitting { machine, runs, waits, plateaus: RapidPlateaus::of(runs), share }, guess)

@@ -15,7 +15,8 @@
 //! around the highest velocity J T², over windows of a part q of the move's time 4 T, the means differ by 8 q² of it. For
 //! [`MIN_WINDOW_RATIO`] that is 2 %.
 //!
-//! Limits: if all rapids have one length and none holds a velocity, their velocity does not tell a limit from the ramps.
+//! Limits: if all rapids have one length and none holds a velocity, their velocity does not tell a limit from the ramps. A
+//! filter makes a short move hold s / T, which is no limit, so what this module finds applies to planners alone.
 
 use crate::identification::alignment::{Fix, Track};
 use crate::identification::fit::Run;

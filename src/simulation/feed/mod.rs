@@ -349,7 +349,7 @@ fn wait(stop: &Stop, machine: &Machine) -> Wait {
 /// Returns the time of a stop by itself, s: the first tool change, and words that wait for the spindle, may differ.
 pub fn stop_time(stop: &Stop, machine: &Machine) -> f64 {
     match stop.cause {
-        StopCause::Dwell { seconds } => seconds,
+        StopCause::Dwell { seconds } => seconds + machine.times.dwell_excess,
         StopCause::Rotary { rotation, rate } => limits::rotary_time(&rotation, rate, machine),
         StopCause::ToolChange { tool } => machine.times.of_tool_change(tool),
         StopCause::SameTool { .. } => 0.0,
