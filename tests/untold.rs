@@ -242,18 +242,38 @@ fn a_rapid_that_no_run_showed_is_taken_from_the_recording_and_is_no_cause() {
 }
 
 /// Retracts too short for a plateau of 60 ms, from two depths.
-#[test]
-fn rapids_of_two_lengths_show_the_rate_that_holds_them_back() {
-    let mut slow = truth();
-    (slow.axes[2].acceleration, slow.axes[2].velocity, slow.axes[2].rapid) = (730.0, 62.0, 62.0);
+fn letters() -> String {
     let letter = |at: u32| {
         let (x, depth) = (6 * at, if at.is_multiple_of(3) { "0.3" } else { "0.963" });
         format!("G0 X{x}\nZ1\nG1 Z-{depth} F250\nG2 X{}.5 Y2 I1.5 J0.5 F970\nG0 Z7.5\nY0\n", 6 * at + 1)
     };
     let letters: String = (0..8).map(letter).collect();
-    let machine = calibrated_on_run(&format!("G21 G90 G64\nG0 Z7.5\nX0 Y0\n{letters}M30\n"), &slow);
+    format!("G21 G90 G64\nG0 Z7.5\nX0 Y0\n{letters}M30\n")
+}
+
+/// A machine whose Z is the slowest axis in rapids.
+fn slow_in_z() -> Machine {
+    let mut slow = truth();
+    (slow.axes[2].acceleration, slow.axes[2].velocity, slow.axes[2].rapid) = (730.0, 62.0, 62.0);
+    slow
+}
+
+#[test]
+fn rapids_of_two_lengths_show_the_rate_that_holds_them_back() {
+    let machine = calibrated_on_run(&letters(), &slow_in_z());
     assert!((machine.axes[2].rapid / 62.0 - 1.0).abs() < 1e-3, "{} mm/s", machine.axes[2].rapid);
     assert_eq!(machine.calibrated_on.assumed_rapids, [true, true, false]);
+}
+
+#[test]
+fn a_rate_is_read_off_a_run_with_its_recorded_rapid_override() {
+    let mut halved = slow_in_z();
+    halved.overrides.rapid = 0.5;
+    let toolpath = traced(&letters());
+    let alignment = recorded(&toolpath, &halved);
+    let runs = [Run { overrides: (None, Some(0.5)), ..run(&toolpath, &alignment) }];
+    let machine = calibrate(&believed(), &runs, &mut |_| {}).machine;
+    assert!((machine.axes[2].rapid / 62.0 - 1.0).abs() < 1e-3, "{} mm/s", machine.axes[2].rapid);
 }
 
 /// Moves of rest to rest, each with a dwell after it, as the probe has them.

@@ -48,6 +48,13 @@ pub struct RapidPeak {
     pub length: Vector,
 }
 
+impl RapidPeak {
+    /// Returns the peak without the rapid override `ratio` of its run.
+    pub fn at_full_rate(self, ratio: f64) -> RapidPeak {
+        RapidPeak { velocity: self.velocity / ratio, ..self }
+    }
+}
+
 /// Returns the rapids of a run whose samples have no gap. `segment` returns the segment on which a fix is.
 pub fn rapid_moves(run: &Run, segment: impl Fn(&Fix) -> usize) -> Vec<RapidMove> {
     let segments = &run.toolpath.segments;

@@ -73,11 +73,11 @@ pub struct ReachedVelocity {
 /// The velocities of the rapids of some runs, each axis without its sign, mm/s.
 #[derive(Default)]
 struct RapidVelocities {
-    /// Velocities on plateaus.
-    held: Vec<Vector>,
+    /// Velocities on plateaus, each with the rapid override of its run.
+    held: Vec<(Vector, f64)>,
     /// Highest velocity of each axis in each rapid.
     fastest: Vec<Vector>,
-    /// Highest velocity along each rapid.
+    /// Highest velocity along each rapid, without the rapid override.
     peaks: Vec<RapidPeak>,
 }
 
@@ -102,11 +102,11 @@ impl RapidPlateaus {
         let count = with_positions.clone().map(|run| seen.take(run, &mut rapids)).count();
         let tracks = with_positions.filter_map(|run| run.alignment.track.as_ref());
         let noise = tracks.map(|track| track.noise).fold(0.0, f64::max) * std::f64::consts::SQRT_2 / WINDOW_S;
-        let mut held = rapids.held;
-        held.extend(at_limit(&rapids.peaks, MAX_NOISE_DEVIATIONS * noise));
-        seen.path = held.iter().map(Vector::norm).reduce(f64::max);
-        (seen.axes, seen.guessed_axes) = rates(&held);
-        let plateau = fastest_of(&held);
+        let mut at_full_rate: Vec<Vector> = rapids.held.iter().map(|(held, ratio)| held / *ratio).collect();
+        at_full_rate.extend(at_limit(&rapids.peaks, MAX_NOISE_DEVIATIONS * noise));
+        seen.path = at_full_rate.iter().map(Vector::norm).reduce(f64::max);
+        (seen.axes, seen.guessed_axes) = rates(&at_full_rate);
+        let plateau = rapids.held.iter().fold(Vector::zeros(), |fastest, (held, _)| fastest.sup(held));
         seen.reached = [0, 1, 2].map(|axis| {
             let fastest_of_each = rapids.fastest.iter().map(|fastest| fastest[axis]).collect();
             ReachedVelocity::of(fastest_of_each, noise, plateau[axis])
@@ -121,10 +121,11 @@ impl RapidPlateaus {
         let distances = run.toolpath.distances();
         self.take_fastest(run, window);
         let segment = |fix: &Fix| segment_of(fix, &distances);
+        let ratio = run.overrides.1.filter(|ratio| 0.0 < *ratio).unwrap_or(1.0);
         for rapid in rapid_moves(run, segment) {
             let own = rapid.window(track, MAX_NOISE_DEVIATIONS * track.noise, PLATEAU);
-            rapids.held.extend(rapid.successive(track, own).filter_map(steady));
-            rapids.peaks.extend(rapid.peak(track, window));
+            rapids.held.extend(rapid.successive(track, own).filter_map(steady).map(|held| (held, ratio)));
+            rapids.peaks.extend(rapid.peak(track, window).map(|peak| peak.at_full_rate(ratio)));
             rapids.fastest.push(rapid.fastest(track, window));
         }
         for fixes in run.alignment.fixes.windows(3 * window + 1).step_by(window.div_ceil(2)) {
