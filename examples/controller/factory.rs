@@ -62,13 +62,12 @@ pub fn record(order: &Order, folder: &Path) -> Result<(), Refusal> {
     std::fs::create_dir_all(folder)?;
     let machines = machines(order);
     let kinds = kinds_drawn(order);
-    let mut parts = side_by_side(order.jobs, order.programs, |number| {
+    let parts = side_by_side(order.jobs, order.programs, |number| {
         let (machine, limits) = &machines[number];
         let part = part(order, folder, number, (*machine, limits), kinds[number])?;
         eprintln!("{}: {}, {:.1} s", part.name, part.kind, part.clean.duration());
         Ok(part)
     })?;
-    parts.sort_by(|a, b| a.name.cmp(&b.name));
     let planned = changes_drawn(order, &parts);
     let done: Mutex<Vec<(usize, Value)>> = Mutex::new(Vec::new());
     side_by_side(order.jobs, planned.len(), |number| {

@@ -112,8 +112,8 @@ pub fn score(bench: &Bench, folder: &Path, reports: &Path) -> Result<(), Refusal
     Ok(())
 }
 
-/// Keeps in `reports` that they are those of `scored`; refuses a folder with the reports of another seed, program or
-/// preset, which would count as answers of this one.
+/// Writes into the folder `reports` which seed, build and preset it belongs to. Refuses a folder that belongs to others,
+/// because its reports would count as answers of this build.
 fn claim(reports: &Path, scored: &Value) -> Result<(), Refusal> {
     let place = reports.join("scored.json");
     let kept: Option<Value> =

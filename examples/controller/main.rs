@@ -13,8 +13,9 @@
 //!     [--truefeed target/release/truefeed --preset M.toml --jobs 2]
 //! ```
 //!
-//! `probe` records the project's probe on each machine of DIR as well; `score` then calibrates on it, too. `score` keeps the report of each case in REPORTS and passes over those it finds there, so that a run that was cut
-//! off goes on where it was; another folder begins anew.
+//! `probe` records the project's probe on each machine of DIR as well; `score` then calibrates on it, too. `score` keeps the
+//! report of each case in REPORTS and does not ask again for those in there, so an interrupted run continues. It refuses a
+//! folder with the reports of another seed, build or preset.
 
 mod changes;
 mod estimates;

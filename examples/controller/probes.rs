@@ -26,7 +26,7 @@ pub fn record(bench: &Bench, recorder: &Recorder, folder: &Path) -> Result<(), R
     let mut machines: Vec<(&Value, &Value)> =
         programs.iter().map(|program| (&program["machine"], &program["limits"])).collect();
     machines.dedup();
-    let mut probes = side_by_side(bench.jobs, machines.len(), |number| {
+    let probes = side_by_side(bench.jobs, machines.len(), |number| {
         let (machine, limits) = machines[number];
         let name = format!("m{machine:02}");
         let place = folder.join(&name);
@@ -46,7 +46,6 @@ pub fn record(bench: &Bench, recorder: &Recorder, folder: &Path) -> Result<(), R
         Ok(json!({ "name": name, "kind": "probe", "machine": machine, "limits": limits,
                    "row_ms": EVERY, "clean_seconds": run.duration() }))
     })?;
-    probes.sort_by_key(|probe| probe["machine"].as_u64());
     answers["probes"] = json!(probes);
     std::fs::write(place, serde_json::to_string_pretty(&answers)?)?;
     Ok(())

@@ -27,8 +27,8 @@ use std::collections::BTreeMap;
 pub struct FunctionTimes {
     /// Time from the start of the program to its first block, s; neutral 0.
     pub start: f64,
-    /// Time by which a dwell lasts longer than programmed, s, because the control continues in a later cycle of its task;
-    /// neutral 0.
+    /// Extra time of each dwell beyond the programmed time, s: a control resumes only in a later cycle of its task; neutral
+    /// 0.
     pub dwell_excess: f64,
     /// Tool change at M6, s.
     pub tool_change: f64,

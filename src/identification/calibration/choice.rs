@@ -15,8 +15,8 @@ use crate::identification::effects::parameters::{DWELL_EXCESS, FILTERS, PROGRAM_
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::{Machine, TimeConstants};
 
-/// Time by which a dwell lasts longer than programmed, before any fit, s: half a cycle of a task of 10 ms.
-const DWELL_EXCESS_S: f64 = 0.005;
+/// Initial value of the dwell excess in a fit, s: half the cycle of a 10 ms task.
+const INITIAL_DWELL_EXCESS_S: f64 = 0.005;
 
 /// The common input of all fits of a calibration.
 pub struct Fitting<'a> {
@@ -61,7 +61,7 @@ impl<'a> Fitting<'a> {
             waits.push((freed, machine.times.start));
         }
         if runs.iter().flat_map(|run| &run.toolpath.stops).any(|stop| stop.cause.dwell().is_some()) {
-            waits.push((DWELL_EXCESS.calibrated(DWELL_EXCESS_S), machine.times.dwell_excess));
+            waits.push((DWELL_EXCESS.calibrated(INITIAL_DWELL_EXCESS_S), machine.times.dwell_excess));
         }
         let share = Share { done: 0.0, part: 0.2, progress };
         (Fitting { machine, runs, waits, plateaus: RapidPlateaus::of(runs), share }, guess)
@@ -123,8 +123,8 @@ impl<'a> Fitting<'a> {
         // Along the path, no axis has a rapid rate.
         if let Some(seen) = self.plateaus.filter(|_| machine.rapid.feedrate == f64::INFINITY) {
             axes.iter().for_each(|axis| without.axes[*axis].rapid = f64::INFINITY);
-            let [given, _] = seen.given(&without, self.machine);
-            axes.iter().for_each(|axis| without.axes[*axis].rapid = given.axes[*axis].rapid);
+            let limited = seen.limited_by_axis(&without, self.machine);
+            axes.iter().for_each(|axis| without.axes[*axis].rapid = limited.axes[*axis].rapid);
         }
         without
     }

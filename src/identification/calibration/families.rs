@@ -116,10 +116,10 @@ fn with_rapids(
         ..RapidPlateaus::default()
     });
     let plateaus = seen.map_or(told.to_vec(), |seen| vec![seen]);
-    let of = |seen: &RapidPlateaus| {
-        let [by_axis, along_path] = seen.given(planner, machine);
-        // Klipper's rapids are moves with a feedrate like any other; the others run each axis at its own rate.
-        if family == Planner::SquareCorner { along_path } else { by_axis }
+    // Klipper's rapids are moves with a feedrate like any other; the others run each axis at its own rate.
+    let of = |seen: &RapidPlateaus| match family {
+        Planner::SquareCorner => seen.limited_along_path(planner, machine),
+        _ => seen.limited_by_axis(planner, machine),
     };
     let mut machines: Vec<Machine> = plateaus.iter().map(of).collect();
     machines.iter_mut().for_each(|machine| limit_feed_as_rapids(machine, seen));

@@ -22,13 +22,19 @@ use crate::identification::alignment::{Fix, Track};
 use crate::identification::fit::Run;
 use crate::simulation::toolpath::{Motion, Vector};
 
+/// Largest change of the velocity on a plateau, as a part of it.
+pub const PLATEAU_TOLERANCE_RATIO: f64 = 0.005;
+
 /// Least ratio of a window to the time of its move.
 const MIN_WINDOW_RATIO: f64 = 0.05;
 /// Least number of samples in a window.
 const MIN_SAMPLES: usize = 2;
+/// Largest turn of the velocity in a straight move, whatever the noise, rad; a blend of two rapids turns by much
+/// more.
+const MAX_TURN_RAD: f64 = 0.05;
 /// Least ratio of the difference that ramps make between two velocities to the tolerance within which the velocities are
 /// equal: moves that begin or end in a blend are not from rest.
-const MIN_DISTINCTION: f64 = 10.0;
+const MIN_RAMP_DIFFERENCE_RATIO: f64 = 10.0;
 
 /// A rapid of a recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,22 +84,24 @@ pub fn rapid_moves(run: &Run, segment: impl Fn(&Fix) -> usize) -> Vec<RapidMove>
 }
 
 impl RapidMove {
+    /// Returns the velocities that the move holds, each axis without its sign, mm/s; positions are known to `noise` (mm).
+    pub fn held(&self, track: &Track, noise: f64) -> impl Iterator<Item = Vector> {
+        let (first, last) = self.samples;
+        let window = self.window(track, noise);
+        let begins = first..(last + 1).saturating_sub(window.saturating_mul(3));
+        begins.filter_map(move |begin| steady(track.successive_velocities(begin, window)))
+    }
+
     /// Returns the shortest window, in samples, over which a velocity that the move holds differs from ramps that meet, and
-    /// is known to the part `accuracy` if positions are known to `noise` (mm).
-    pub fn window(&self, track: &Track, noise: f64, accuracy: f64) -> usize {
+    /// is known as accurately as velocities on a plateau agree.
+    fn window(&self, track: &Track, noise: f64) -> usize {
         let (first, last) = self.samples;
         let seconds = track.time[last] - track.time[first];
         let by_ramps = MIN_WINDOW_RATIO * seconds / track.interval;
         let mean_speed = self.length.norm() / seconds;
-        let by_noise = std::f64::consts::SQRT_2 * noise / (accuracy * mean_speed * track.interval);
+        let by_noise =
+            std::f64::consts::SQRT_2 * noise / (PLATEAU_TOLERANCE_RATIO * mean_speed * track.interval);
         (by_ramps.max(by_noise).ceil() as usize).max(MIN_SAMPLES)
-    }
-
-    /// Returns the mean velocities over each three successive windows of `window` samples, mm/s.
-    pub fn successive(&self, track: &Track, window: usize) -> impl Iterator<Item = [Vector; 3]> {
-        let (first, last) = self.samples;
-        let begins = first..(last + 1).saturating_sub(window.saturating_mul(3));
-        begins.map(move |begin| track.successive_velocities(begin, window))
     }
 
     /// Returns the highest velocity of each axis over `window` samples, mm/s.
@@ -115,6 +123,21 @@ impl RapidMove {
     }
 }
 
+/// Returns the velocity on a plateau of a rapid, each axis without its sign; `None` if the velocity is not
+/// constant, or if its direction changes, as where two rapids blend at constant speed.
+fn steady(velocities: [Vector; 3]) -> Option<Vector> {
+    let within = velocities[1];
+    plateau(velocities.map(|velocity| velocity.norm()))?;
+    let turns = |other: &Vector| MAX_TURN_RAD * within.norm() * other.norm() < within.cross(other).norm();
+    (!velocities.iter().any(turns)).then(|| within.abs())
+}
+
+/// Returns the velocity `within`; `None` if it is not the same before and after.
+pub fn plateau([before, within, after]: [f64; 3]) -> Option<f64> {
+    let is_same = |other: f64| (other - within).abs() <= PLATEAU_TOLERANCE_RATIO * within;
+    (0.0 < within && is_same(before) && is_same(after)).then_some(within)
+}
+
 /// Returns the velocities (mm/s) of rapids that a limit holds back: for each axis those of rapids mainly in its direction
 /// that reach its highest velocity, to within `tolerance` (mm/s), if it moves along unequal lengths in them.
 pub fn at_limit(peaks: &[RapidPeak], tolerance: f64) -> Vec<Vector> {
@@ -126,7 +149,7 @@ pub fn at_limit(peaks: &[RapidPeak], tolerance: f64) -> Vec<Vector> {
         let lengths = reach.iter().map(|peak| peak.length[axis]);
         let shortest = lengths.clone().fold(f64::INFINITY, f64::min);
         let ratio_by_ramps = (lengths.fold(0.0, f64::max) / shortest).sqrt();
-        let is_limited = MIN_DISTINCTION * tolerance <= (ratio_by_ramps - 1.0) * fastest;
+        let is_limited = MIN_RAMP_DIFFERENCE_RATIO * tolerance <= (ratio_by_ramps - 1.0) * fastest;
         reach.into_iter().filter(move |_| is_limited).map(|peak| peak.velocity).collect::<Vec<Vector>>()
     };
     (0..3).flat_map(of).collect()
@@ -153,12 +176,28 @@ mod tests {
         (Track { time, position, recorded: [true; 3], noise: 1e-4, interval: INTERVAL_S }, rapid)
     }
 
-    /// Whether three successive windows of the rapid differ by less than a two-hundredth.
     fn holds_a_velocity((track, rapid): &(Track, RapidMove)) -> bool {
-        let window = rapid.window(track, 4.0 * track.noise, 0.005);
-        rapid.successive(track, window).any(|[before, within, after]| {
-            [before, after].iter().all(|other| (other.z / within.z - 1.0).abs() < 0.005)
-        })
+        rapid.held(track, 4.0 * track.noise).next().is_some()
+    }
+
+    fn of(velocities: [[f64; 3]; 3]) -> Option<Vector> {
+        steady(velocities.map(|[x, y, z]| Vector::new(x, y, z)))
+    }
+
+    #[test]
+    fn ramps_that_meet_are_no_plateau() {
+        let peak = [[90.0, 0.0, 0.0], [95.0, 0.0, 0.0], [90.0, 0.0, 0.0]];
+        let ramp = [[80.0, 0.0, 0.0], [90.0, 0.0, 0.0], [100.0, 0.0, 0.0]];
+        let stand = [[0.0; 3]; 3];
+        for velocities in [peak, ramp, stand] {
+            assert_eq!(of(velocities), None);
+        }
+        // A rapid in X blends with one in Z.
+        assert_eq!(of([[80.0, 0.0, 60.0], [70.0, 0.0, 71.4], [60.0, 0.0, 80.0]]), None);
+        assert_eq!(
+            of([[-80.0, 60.0, 0.0], [-80.1, 60.0, 0.0], [-80.0, 60.1, 0.0]]),
+            Some(Vector::new(80.1, 60.0, 0.0))
+        );
     }
 
     #[test]

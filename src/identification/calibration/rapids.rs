@@ -2,14 +2,16 @@
 //!
 //! A rapid that shows a plateau was as fast as the machine allows; one that speeds up and slows down without a
 //! plateau shows only that the machine is no slower. On a plateau, the mean velocities over three successive
-//! windows on one rapid segment are equal to the part [`PLATEAU`]; those over two windows are
+//! windows on one rapid segment are equal to the part [`PLATEAU_TOLERANCE_RATIO`]; those over two windows are
 //! also equal where a ramp up meets a ramp down in the middle.
 //!
 //! A line that is cut more slowly than programmed, at a constant velocity, is held back by the axis that moves
 //! furthest, if that axis is nowhere faster where it cuts.
 
 use crate::identification::alignment::Fix;
-use crate::identification::calibration::rapid_moves::{RapidPeak, at_limit, rapid_moves};
+use crate::identification::calibration::rapid_moves::{
+    PLATEAU_TOLERANCE_RATIO, RapidPeak, at_limit, plateau, rapid_moves,
+};
 use crate::identification::fit::Run;
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::limits;
@@ -22,7 +24,7 @@ const WINDOW_S: f64 = 0.02;
 const MIN_SAMPLES: usize = 4;
 /// Ratio to the programmed velocity below which an axis is held back: neither that velocity nor a plateau is known
 /// better.
-const MAX_HELD_BACK_RATIO: f64 = 1.0 - 2.0 * PLATEAU;
+const MAX_HELD_BACK_RATIO: f64 = 1.0 - 2.0 * PLATEAU_TOLERANCE_RATIO;
 /// Least number of moments at which a recorded velocity is met for it to be a limit.
 const MIN_VISITS: usize = 4;
 /// Least time between two such moments, s.
@@ -31,13 +33,6 @@ const MIN_VISIT_INTERVAL_S: f64 = 0.2;
 const MIN_RAPIDS: usize = 2;
 /// Largest error of a velocity by noise, in standard deviations.
 const MAX_NOISE_DEVIATIONS: f64 = 4.0;
-/// Largest relative change of the velocity on a plateau.
-const PLATEAU: f64 = 0.005;
-
-/// Largest turn of the velocity in a straight move, whatever the noise, rad; a blend of two rapids turns by much
-/// more.
-const MAX_TURN_RAD: f64 = 0.05;
-
 /// The rapid velocities of plateaus, mm/s; `None` if there is no plateau.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RapidPlateaus {
@@ -73,8 +68,10 @@ pub struct ReachedVelocity {
 /// The velocities of the rapids of some runs, each axis without its sign, mm/s.
 #[derive(Default)]
 struct RapidVelocities {
-    /// Velocities on plateaus, each with the rapid override of its run.
-    held: Vec<(Vector, f64)>,
+    /// Velocities on plateaus, without the rapid override.
+    at_full_rate: Vec<Vector>,
+    /// Highest velocity of each axis on a plateau.
+    held: Vector,
     /// Highest velocity of each axis in each rapid.
     fastest: Vec<Vector>,
     /// Highest velocity along each rapid, without the rapid override.
@@ -102,14 +99,12 @@ impl RapidPlateaus {
         let count = with_positions.clone().map(|run| seen.take(run, &mut rapids)).count();
         let tracks = with_positions.filter_map(|run| run.alignment.track.as_ref());
         let noise = tracks.map(|track| track.noise).fold(0.0, f64::max) * std::f64::consts::SQRT_2 / WINDOW_S;
-        let mut at_full_rate: Vec<Vector> = rapids.held.iter().map(|(held, ratio)| held / *ratio).collect();
-        at_full_rate.extend(at_limit(&rapids.peaks, MAX_NOISE_DEVIATIONS * noise));
-        seen.path = at_full_rate.iter().map(Vector::norm).reduce(f64::max);
-        (seen.axes, seen.guessed_axes) = rates(&at_full_rate);
-        let plateau = rapids.held.iter().fold(Vector::zeros(), |fastest, (held, _)| fastest.sup(held));
+        rapids.at_full_rate.extend(at_limit(&rapids.peaks, MAX_NOISE_DEVIATIONS * noise));
+        seen.path = rapids.at_full_rate.iter().map(Vector::norm).reduce(f64::max);
+        (seen.axes, seen.guessed_axes) = rates(&rapids.at_full_rate);
         seen.reached = [0, 1, 2].map(|axis| {
             let fastest_of_each = rapids.fastest.iter().map(|fastest| fastest[axis]).collect();
-            ReachedVelocity::of(fastest_of_each, noise, plateau[axis])
+            ReachedVelocity::of(fastest_of_each, noise, rapids.held[axis])
         });
         (0 < count).then_some(seen)
     }
@@ -123,8 +118,10 @@ impl RapidPlateaus {
         let segment = |fix: &Fix| segment_of(fix, &distances);
         let ratio = run.overrides.1.filter(|ratio| 0.0 < *ratio).unwrap_or(1.0);
         for rapid in rapid_moves(run, segment) {
-            let own = rapid.window(track, MAX_NOISE_DEVIATIONS * track.noise, PLATEAU);
-            rapids.held.extend(rapid.successive(track, own).filter_map(steady).map(|held| (held, ratio)));
+            for held in rapid.held(track, MAX_NOISE_DEVIATIONS * track.noise) {
+                rapids.held = rapids.held.sup(&held);
+                rapids.at_full_rate.push(held / ratio);
+            }
             rapids.peaks.extend(rapid.peak(track, window).map(|peak| peak.at_full_rate(ratio)));
             rapids.fastest.push(rapid.fastest(track, window));
         }
@@ -195,7 +192,7 @@ impl RapidPlateaus {
         let (mut raised, mut count) = (machine.clone(), 0);
         for (axis, reached) in raised.axes.iter_mut().zip(self.reached) {
             for limit in [&mut axis.rapid, &mut axis.velocity] {
-                if *limit < (1.0 - PLATEAU) * reached.certain {
+                if *limit < (1.0 - PLATEAU_TOLERANCE_RATIO) * reached.certain {
                     (*limit, count) = (reached.fastest, count + 1);
                 }
             }
@@ -217,25 +214,24 @@ impl RapidPlateaus {
     pub fn limit_feed(&self, machine: &mut Machine) {
         let [held_back, free] = self.cut;
         for (axis, (held_back, free)) in machine.axes.iter_mut().zip(held_back.into_iter().zip(free)) {
-            if let Some(most) =
-                held_back.filter(|most| free.is_none_or(|free| (1.0 - PLATEAU) * free <= *most))
+            if let Some(most) = held_back
+                .filter(|most| free.is_none_or(|free| (1.0 - PLATEAU_TOLERANCE_RATIO) * free <= *most))
             {
                 (axis.velocity, axis.rapid) = (most, axis.rapid.min(most));
             }
         }
     }
 
-    /// Returns the machines whose rapids have these limits, by each axis and along the path. An axis without a
-    /// plateau has its velocity limit, if any. Otherwise it is as fast as the fastest axis that showed a plateau or
-    /// was held back where it cut, since axes are alike, and at least as fast as it was cut. If there is no such
-    /// axis, or if the rapids were faster without a plateau, the machine file gives the rate, and the axis is at least
-    /// as fast as it was.
-    pub fn given(&self, machine: &Machine, file: &Machine) -> [Machine; 2] {
+    /// Returns the machine whose rapids each axis limits. An axis without a plateau has its velocity limit, if any.
+    /// Otherwise it is as fast as the fastest axis that showed a plateau or was held back where it cut, since axes are
+    /// alike, and at least as fast as it was cut. If there is no such axis, or if the rapids were faster without a
+    /// plateau, the machine file gives the rate, and the axis is at least as fast as it was.
+    pub fn limited_by_axis(&self, machine: &Machine, file: &Machine) -> Machine {
         let held_back = machine.axes.iter().map(|axis| axis.velocity).filter(|velocity| velocity.is_finite());
         let fastest = self.axes.iter().flatten().copied().chain(held_back).reduce(f64::max);
-        let (mut by_axis, mut along_path) = (machine.clone(), machine.clone());
-        by_axis.rapid.feedrate = f64::INFINITY;
-        for (at, axis) in by_axis.axes.iter_mut().enumerate() {
+        let mut limited = machine.clone();
+        limited.rapid.feedrate = f64::INFINITY;
+        for (at, axis) in limited.axes.iter_mut().enumerate() {
             let reached = self.reached[at];
             let known = axis.velocity.is_finite().then_some(axis.velocity);
             let alike = fastest.map(|fastest| fastest.max(self.fastest_cut[at]));
@@ -243,9 +239,15 @@ impl RapidPlateaus {
             let of_file = axis.rapid.min(file.rapid.feedrate).max(reached.fastest);
             axis.rapid = self.axes[at].or(known).or(alike).unwrap_or(of_file);
         }
-        along_path.rapid.feedrate = self.path.unwrap_or(file.fastest_rapid());
-        along_path.axes.iter_mut().for_each(|axis| axis.rapid = f64::INFINITY);
-        [by_axis, along_path]
+        limited
+    }
+
+    /// Returns the machine whose rapids are limited along the path, as on the plateaus, or else as in the machine file.
+    pub fn limited_along_path(&self, machine: &Machine, file: &Machine) -> Machine {
+        let mut limited = machine.clone();
+        limited.rapid.feedrate = self.path.unwrap_or(file.fastest_rapid());
+        limited.axes.iter_mut().for_each(|axis| axis.rapid = f64::INFINITY);
+        limited
     }
 }
 
@@ -254,29 +256,15 @@ fn segment_of(fix: &Fix, distances: &[f64]) -> usize {
     distances.partition_point(|at| *at <= fix.distance).saturating_sub(1)
 }
 
-/// Returns the highest of these velocities of each axis, which have no sign.
-fn fastest_of(velocities: &[Vector]) -> Vector {
-    velocities.iter().fold(Vector::zeros(), |fastest, velocity| fastest.sup(velocity))
-}
-
-/// Returns the velocity on a plateau of a rapid, each axis without its sign; `None` if the velocity is not
-/// constant, or if its direction changes, as where two rapids blend at constant speed.
-fn steady(velocities: [Vector; 3]) -> Option<Vector> {
-    let within = velocities[1];
-    plateau(velocities.map(|velocity| velocity.norm()))?;
-    let turns = |other: &Vector| MAX_TURN_RAD * within.norm() * other.norm() < within.cross(other).norm();
-    (!velocities.iter().any(turns)).then(|| within.abs())
-}
-
 /// Returns the rates of the axes (mm/s) from the velocities on the plateaus of rapids, for machines that limit each
 /// axis separately, `None` for an axis whose rate they do not show; and `true` for each axis whose rate is a guess. The
 /// highest velocity of an axis is its rate if the axis reached it while no other axis was at its highest. A rapid that
-/// no such axis holds back, to within twice [`PLATEAU`] as each of its windows may differ by that, is held back by the
+/// no such axis holds back, to within twice [`PLATEAU_TOLERANCE_RATIO`] as each of its windows may differ by that, is held back by the
 /// axis that moves furthest, if axes are alike.
 fn rates(rapids: &[Vector]) -> ([Option<f64>; 3], [bool; 3]) {
-    let fastest = fastest_of(rapids);
+    let fastest = rapids.iter().fold(Vector::zeros(), |fastest, velocity| fastest.sup(velocity));
     let is_fastest = |velocity: &Vector, axis: usize| {
-        0.0 < fastest[axis] && (1.0 - PLATEAU) * fastest[axis] <= velocity[axis]
+        0.0 < fastest[axis] && (1.0 - PLATEAU_TOLERANCE_RATIO) * fastest[axis] <= velocity[axis]
     };
     let is_alone = |velocity: &Vector, axis: usize| {
         is_fastest(velocity, axis) && (0..3).all(|other| other == axis || !is_fastest(velocity, other))
@@ -284,7 +272,9 @@ fn rates(rapids: &[Vector]) -> ([Option<f64>; 3], [bool; 3]) {
     let mut told = [0, 1, 2].map(|axis| rapids.iter().any(|velocity| is_alone(velocity, axis)));
     let mut guessed = [false; 3];
     for velocity in rapids {
-        let holds_back = |axis: usize| told[axis] && (1.0 - 2.0 * PLATEAU) * fastest[axis] <= velocity[axis];
+        let holds_back = |axis: usize| {
+            told[axis] && (1.0 - 2.0 * PLATEAU_TOLERANCE_RATIO) * fastest[axis] <= velocity[axis]
+        };
         if !(0..3).any(holds_back) {
             (told[velocity.iamax()], guessed[velocity.iamax()]) = (true, true);
         }
@@ -338,13 +328,13 @@ pub fn assumed(machine: &Machine, plateaus: Option<RapidPlateaus>) -> [bool; 3] 
 /// `before`. It is more accurate than what a fit makes of the little time that such a limit costs.
 pub fn recorded(axis: usize, before: f64, machine: &Machine, plateaus: Option<RapidPlateaus>) -> Option<f64> {
     let seen = plateaus.filter(|_| !machine.has_filters() && !assumed(machine, plateaus)[axis])?;
-    seen.axes[axis].filter(|rate| PLATEAU * rate < (before - rate).abs())
+    seen.axes[axis].filter(|rate| PLATEAU_TOLERANCE_RATIO * rate < (before - rate).abs())
 }
 
 /// Returns the standard deviation of a rate (mm/s) that is read off plateaus, mm/s: rates that agree to the part
-/// [`PLATEAU`] count as equal.
+/// [`PLATEAU_TOLERANCE_RATIO`] count as equal.
 pub fn deviation_of_plateau(rate: f64) -> f64 {
-    PLATEAU * rate / 3f64.sqrt()
+    PLATEAU_TOLERANCE_RATIO * rate / 3f64.sqrt()
 }
 
 /// Sets `own` to the faster of both.
@@ -358,42 +348,16 @@ fn ceiling(speeds: &[(f64, f64)]) -> f64 {
     let fastest = speeds.iter().map(|(_, speed)| *speed).fold(0.0, f64::max);
     let mut visits = 0;
     let mut left = f64::NEG_INFINITY;
-    for (time, _) in speeds.iter().filter(|(_, speed)| (1.0 - PLATEAU) * fastest <= *speed) {
+    for (time, _) in speeds.iter().filter(|(_, speed)| (1.0 - PLATEAU_TOLERANCE_RATIO) * fastest <= *speed) {
         visits += usize::from(MIN_VISIT_INTERVAL_S < time - left);
         left = *time;
     }
     if MIN_VISITS <= visits { fastest } else { 0.0 }
 }
 
-/// Returns the velocity `within`; `None` if it is not the same before and after.
-fn plateau([before, within, after]: [f64; 3]) -> Option<f64> {
-    let is_same = |other: f64| (other - within).abs() <= PLATEAU * within;
-    (0.0 < within && is_same(before) && is_same(after)).then_some(within)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn of(velocities: [[f64; 3]; 3]) -> Option<Vector> {
-        steady(velocities.map(|[x, y, z]| Vector::new(x, y, z)))
-    }
-
-    #[test]
-    fn ramps_that_meet_are_no_plateau() {
-        let peak = [[90.0, 0.0, 0.0], [95.0, 0.0, 0.0], [90.0, 0.0, 0.0]];
-        let ramp = [[80.0, 0.0, 0.0], [90.0, 0.0, 0.0], [100.0, 0.0, 0.0]];
-        let stand = [[0.0; 3]; 3];
-        for velocities in [peak, ramp, stand] {
-            assert_eq!(of(velocities), None);
-        }
-        // A rapid in X blends with one in Z.
-        assert_eq!(of([[80.0, 0.0, 60.0], [70.0, 0.0, 71.4], [60.0, 0.0, 80.0]]), None);
-        assert_eq!(
-            of([[-80.0, 60.0, 0.0], [-80.1, 60.0, 0.0], [-80.0, 60.1, 0.0]]),
-            Some(Vector::new(80.1, 60.0, 0.0))
-        );
-    }
 
     #[test]
     fn an_axis_has_the_rate_at_which_it_holds_the_others_back() {
@@ -422,7 +386,8 @@ mod tests {
     fn an_axis_of_which_nothing_is_known_is_as_fast_as_those_that_were_held_back() {
         let mut machine = Machine::default();
         machine.axes[1].velocity = 60.0;
-        let given = |seen: RapidPlateaus| seen.given(&machine, &machine)[0].axes.map(|axis| axis.rapid);
+        let given =
+            |seen: RapidPlateaus| seen.limited_by_axis(&machine, &machine).axes.map(|axis| axis.rapid);
         assert_eq!(given(RapidPlateaus::default()), [60.0; 3]);
         let faster = [70.0, 50.0, 0.0].map(|certain| ReachedVelocity { certain, fastest: 75.0 });
         let without_plateau = RapidPlateaus { reached: faster, ..RapidPlateaus::default() };

@@ -259,7 +259,7 @@ parameters! {
     SPINDLE_RAMP = difference("times.spindle_s_per_1000_rpm", Values(0.0, 0.1)).exactly(Exactness::Wait);
     /// Time from the start of a program to its first block, s.
     PROGRAM_START = difference("times.start_s", Values(0.0, LONGEST_WAIT_S)).exactly(Exactness::Wait);
-    /// Time by which dwells last longer than programmed, s.
+    /// Extra time of each dwell beyond the programmed time, s.
     DWELL_EXCESS = difference("times.dwell_excess_s", Values(0.0, 1.0)).exactly(Exactness::Wait);
 
     /// Feed override, as a ratio.

@@ -14,7 +14,7 @@ pub(super) const TIMES: [Parameter; 24] = [
     row!("times.start_s", "Program start", value Second TIME_BOUNDS_S [times.start] or 0.0,
         "Time from the start of the program to its first block; 0: none."),
     row!("times.dwell_excess_s", "Dwell excess", value Second (0.0, 1.0) [times.dwell_excess] or 0.0,
-        "Time by which a dwell lasts longer than programmed, because the control continues in a later cycle of its task; 0: none."),
+        "Extra time of each dwell beyond the programmed time: a control resumes only in a later cycle of its task. 0: none."),
     row!("times.tool_change_s", "Tool change", value Second TIME_BOUNDS_S [times.tool_change] or FunctionTimes::default().tool_change,
         "Time of a tool change at M6, from the stop of the spindle until the new tool is clamped. A chip-to-chip time also includes the start of the spindle and the moves to the change position."),
     row!("times.first_tool_change_s", "First tool change", optional Second TIME_BOUNDS_S [times.first_tool_change],

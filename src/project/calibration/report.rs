@@ -271,9 +271,9 @@ fn sentence(calibration: &Calibration) -> String {
         many => format!("{many} runs"),
     };
     let which = if calibration.runs.len() == 1 { "" } else { " at most" };
-    let fitted = calibration.estimates.iter().filter(|estimate| is_changed(estimate)).count();
+    let changed = calibration.estimates.iter().filter(|estimate| is_changed(estimate)).count();
     format!(
-        "Calibrated from {count}: the cycle time is off by {:.1} %{which} now, {:.1} % before; {fitted} of {} parameters \
+        "Calibrated from {count}: the cycle time is off by {:.1} %{which} now, {:.1} % before; {changed} of {} parameters \
          changed.",
         100.0 * largest(|run| &run.after),
         100.0 * largest(|run| &run.before),
