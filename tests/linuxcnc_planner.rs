@@ -37,6 +37,78 @@ fn without_arc_blends_the_next_leg_starts_while_the_last_one_brakes() {
     assert!((found - expected).abs() < WITHIN_S, "{found} s, {expected} s");
 }
 
+/// A leg of a chain of parabolas in servo periods, as tp.c of LinuxCNC 2.9 runs it.
+struct Leg {
+    left: f64,
+    velocity: f64,
+    is_overlapped: bool,
+}
+
+/// Servo period, s.
+const PERIOD_S: f64 = 1e-3;
+
+impl Leg {
+    fn of_length(left: f64) -> Leg {
+        Leg { left, velocity: 0.0, is_overlapped: false }
+    }
+
+    /// Moves on by one period. The leg is overlapped from the first period in which it brakes.
+    fn advance(&mut self, acceleration: f64, feedrate: f64) {
+        let half = 0.5 * acceleration * PERIOD_S;
+        let square = half * half + acceleration * (2.0 * self.left - self.velocity * PERIOD_S);
+        let can_stop = (square.max(half * half)).sqrt() - half;
+        let most = acceleration * PERIOD_S;
+        let next = can_stop.min(feedrate).clamp(self.velocity - most, self.velocity + most);
+        self.is_overlapped |= next < self.velocity;
+        self.left -= 0.5 * (self.velocity + next) * PERIOD_S;
+        self.velocity = next;
+    }
+}
+
+/// Returns the duration of a chain of legs of one length, s.
+fn in_periods(count: usize, length: f64, acceleration: f64, feedrate: f64) -> f64 {
+    let mut waiting = count - 1;
+    let mut legs = vec![Leg::of_length(length)];
+    let mut periods = 0;
+    while !legs.is_empty() {
+        periods += 1;
+        if legs.len() == 1 && 0 < waiting {
+            legs.push(Leg::of_length(length));
+            waiting -= 1;
+        }
+        legs[0].advance(acceleration, feedrate);
+        if legs[0].is_overlapped && 1 < legs.len() {
+            legs[1].advance(acceleration, feedrate);
+        }
+        if legs[0].velocity == 0.0 {
+            legs.remove(0);
+        }
+    }
+    f64::from(periods) * PERIOD_S
+}
+
+/// The next leg starts up to a servo period before the last one brakes, each time by as much if all legs are as long.
+#[test]
+fn the_next_leg_starts_at_the_beginning_of_a_servo_period() {
+    let mut machine = planner();
+    machine.interpolator.junction = Junction::ParabolicBlend;
+    machine.axes.iter_mut().for_each(|axis| (axis.acceleration, axis.velocity) = (3000.0, 100.0));
+    let (count, turn) = (60, 0.04f64);
+    for length in [2.05, 2.2, 2.56, 3.3, 7.0] {
+        let leg = |at: usize| {
+            let (sin, cos) = if at % 2 == 0 { (0.0, 1.0) } else { turn.sin_cos() };
+            format!("G91 X{:.9} Y{:.9}\n", length * cos, length * sin)
+        };
+        let program = format!("G21 G64\nG1 F3190\n{}", (0..count).map(leg).collect::<String>());
+        let (expected, found) = (in_periods(count, length, 1500.0, 3190.0 / 60.0), time(&program, &machine));
+        let each = (found - expected) / (count - 1) as f64;
+        assert!(
+            each.abs() < 0.1 * PERIOD_S,
+            "{length} mm: {found} s, {expected} s, {each} s for each corner"
+        );
+    }
+}
+
 /// Before an arc, the leg's brake is held against the direction in which the arc accelerates, towards its centre as well:
 /// 28.7 mm/s in the recording, where the tangents alone would allow all of 47.5.
 #[test]

@@ -24,19 +24,7 @@
 //! V1 V2 sin φ / ‖V2 u2 − V1 u1‖
 //! ```
 //!
-//! **Parabola**: the second leg starts while the first still brakes to a stop, both with half of their accelerations, a1 and
-//! a2, from the velocity b1 on:
-//!
-//! ```text
-//! b1 = min(F1, √(a1 L1), a1 t, 2 √(a1 ε₀/(D/2)))        t = min(L1/v1, L2/v2, max(v1/a1, v2/a2)),  ε₀ tolerance
-//! ```
-//!
-//! where v is the minimum of the first two terms for each leg. It lasts T = b1/a1 and takes b1²/2a1 of the
-//! first leg; the second speeds up by a2 to w = min(a2 T, F2). Along the parabola the speed changes from b1
-//! to w with one acceleration, over the length that takes the time T. If the second leg is an arc of radius
-//! r, D is the change from u1 to the direction of the acceleration, which is the sum of a2 u2 and (F2/2)²/r
-//! towards the centre (`tcCircleStartAccelUnitVector`). Without circles a leg has half of its acceleration
-//! only if a parabola follows it, and its whole acceleration if the parabola precedes it.
+//! **Parabola**: see `parabola`.
 //!
 //! **Stop**: between legs that are opposite to within about 2.8°, 1 + cos φ < (2°)², the motion stops; the
 //! legs keep their whole acceleration.
@@ -45,7 +33,7 @@
 //! the acceleration of an axis, twice that on an arc, whose sF is at most the velocity for which √3/2 of its
 //! acceleration suffices. If κ is below a tenth, the corner is not slowed at all, and its legs lose the part κ
 //! of their acceleration, an arc also for its curvature. Otherwise the motion passes the corner at 0.1 sF/κ. Of
-//! circle, parabola and nothing the fastest is taken; the speed of a parabola counts as C (b1 + b2)/4.
+//! circle, parabola and nothing the fastest is taken.
 //!
 //! **Exact path** (G61): no curve replaces the corner. If κ is a tenth or more the motion stops at the
 //! corner, and its legs still lose a tenth of their acceleration. After G61.1 the motion stops at every
@@ -59,14 +47,15 @@
 //! [`limits::planned_curvature`].
 //!
 //! Source: LinuxCNC 2.9, src/emc/tp
-//! (blendmath.c: blendComputeParameters, blendParamKinematics; tp.c: tpSetupTangent, tpComputeBlendVelocity,
-//! tpChooseBestBlend; tc.c: tcFinalizeLength), and recordings of it.
+//! (blendmath.c: blendComputeParameters, blendParamKinematics; tp.c: tpSetupTangent, tpChooseBestBlend; tc.c:
+//! tcFinalizeLength), and recordings of it.
 
 use crate::machine::{Junction, Machine};
-use crate::simulation::feed::blend::{Blend, Leg};
+use crate::simulation::feed::blend::Blend;
 use crate::simulation::feed::circle_contact::{ArcLeg, contact};
 use crate::simulation::feed::junction;
 use crate::simulation::feed::limits::{self, NORMAL_ACCELERATION_SHARE, TANGENTIAL_ACCELERATION_SHARE};
+use crate::simulation::feed::parabola::{self, CornerSide, SERVO_PERIOD_S};
 use crate::simulation::toolpath::{Arc, Curve, Segment, Vector};
 
 /// Largest distance between circle and corner, as a part of the shorter leg.
@@ -76,8 +65,6 @@ const MAX_PART_OF_LINE: f64 = 0.5;
 const MAX_PARTS_OF_ARCS: [f64; 2] = [2.0 / 3.0, 1.0 / 3.0];
 /// Share of the acceleration that a turn without a circle may use.
 const KINK_SHARE: f64 = 0.1;
-/// Duration of a turn without a circle, s.
-const SERVO_PERIOD_S: f64 = 1e-3;
 /// Largest turn whose cosine lowers a velocity, rad.
 const MAX_TURN_RAD: f64 = 0.49 * std::f64::consts::PI;
 /// Turn below which there is no circle, rad.
@@ -88,27 +75,10 @@ const MAX_PLANE_TILT_SINE: f64 = 1e-4;
 /// Legs are opposite below this value of 1 + cos φ: 2° squared.
 const MAX_OPPOSITE_ONE_PLUS_COSINE: f64 =
     (2.0 * std::f64::consts::PI / 180.0) * (2.0 * std::f64::consts::PI / 180.0);
-/// Part of the acceleration of each leg that a parabola uses.
-pub const PARABOLA_SHARE: f64 = 0.5;
-
-/// Least acceleration along a parabola, as a part of the legs' acceleration.
-const MIN_ACCELERATION_RATIO: f64 = 1e-3;
-
-/// A segment on one side of a corner.
-#[derive(Clone, Copy)]
-pub struct CornerSide<'a> {
-    /// The segment.
-    pub segment: &'a Segment,
-    /// Requested feedrate along it, mm/s.
-    pub feedrate: f64,
-    /// Acceleration along the segment within a parabola, mm/s²; `None`: half the acceleration of the segment.
-    pub whole_acceleration: Option<f64>,
-}
-
 /// Returns the blend at the corner between two segments with this tolerance (mm).
 pub fn blend(sides: [CornerSide; 2], machine: &Machine, tolerance: f64) -> Blend {
     let corner = Corner::between(sides, machine);
-    let parabola = || corner.parabola(tolerance, sides.map(|side| side.segment.length)).blend();
+    let parabola = || parabola::blend(sides, machine, tolerance, sides.map(|side| side.segment.length));
     if machine.interpolator.junction == Junction::ParabolicBlend {
         return parabola();
     }
@@ -122,42 +92,15 @@ pub fn blend(sides: [CornerSide; 2], machine: &Machine, tolerance: f64) -> Blend
     if machine.interpolator.junction == Junction::ExactPath || sides[0].segment.exact_path {
         return Blend { taken: KINK_SHARE, ..Blend::none(0.0) };
     }
-    let by_kink = corner.slower * KINK_SHARE / kink;
+    let by_kink = corner.slower() * KINK_SHARE / kink;
     let circle = corner.circle(tolerance);
     let by_circle = circle.map_or(0.0, |circle| circle.fastest);
-    // The other ends of both segments are not planned yet, so that half of each length is assumed to be free.
-    let halves = sides.map(|side| 0.5 * side.segment.length);
-    let by_parabola = corner.parabola(tolerance, halves).performance(corner.half_cosine);
+    let by_parabola = parabola::performance(sides, machine, tolerance, corner.overridden);
     match circle {
         Some(circle) if by_kink <= by_circle && by_parabola <= by_circle => circle,
         _ if by_parabola < by_kink => Blend { taken: KINK_SHARE, ..Blend::none(by_kink) },
         _ => parabola(),
     }
-}
-
-/// Returns the parabola at a corner whose neighbouring blends leave these lengths (mm) of the legs.
-pub fn parabola(sides: [CornerSide; 2], machine: &Machine, tolerance: f64, lengths: [f64; 2]) -> Blend {
-    Corner::between(sides, machine).parabola(tolerance, lengths).blend()
-}
-
-/// Returns a leg of which a parabola takes a part: the leg has half of its acceleration throughout, and an
-/// arc also the feedrate that this acceleration allows.
-pub fn shared(segment: &Segment, leg: Leg, machine: &Machine) -> Leg {
-    let (acceleration, feedrate) = halved(segment, machine);
-    Leg { acceleration: leg.acceleration.min(acceleration), feedrate: leg.feedrate.min(feedrate), ..leg }
-}
-
-/// Returns the acceleration along an arc behind which no move is queued, mm/s²; half as much if a parabola takes a part.
-pub fn unqueued_acceleration(segment: &Segment, has_parabola: bool, machine: &Machine) -> f64 {
-    let part = if has_parabola { PARABOLA_SHARE } else { 1.0 };
-    part * TANGENTIAL_ACCELERATION_SHARE * limits::blended_acceleration(segment, machine)
-}
-
-/// Returns half of the acceleration of a segment, mm/s², and the largest feedrate that this acceleration
-/// allows, mm/s.
-fn halved(segment: &Segment, machine: &Machine) -> (f64, f64) {
-    let own = PARABOLA_SHARE * limits::blended_acceleration(segment, machine);
-    (junction::acceleration(segment, own, machine), limits::blended_arc_feedrate(segment, own, machine))
 }
 
 /// Returns the feedrate along an arc for which this share of its acceleration suffices, mm/s; infinite along a line.
@@ -177,8 +120,9 @@ struct Corner<'a> {
     /// D/2 and C.
     half_sine: f64,
     half_cosine: f64,
-    /// The slower and the faster of the largest feedrates of both legs, mm/s.
-    slower: f64,
+    /// Largest feedrates of both legs under the largest override, mm/s.
+    overridden: [f64; 2],
+    /// Faster of the requested feedrates of both legs, mm/s.
     faster: f64,
 }
 
@@ -189,7 +133,7 @@ impl<'a> Corner<'a> {
         let change = u2 - u1;
         let override_limit = machine.interpolator.max_override;
         // What limits the velocity on a leg whatever its feedrate is: its axes and, on an arc, its acceleration.
-        let requested = sides.map(|side| {
+        let overridden = sides.map(|side| {
             let of_axes = limits::axis_feedrate(side.segment, machine);
             (override_limit * side.feedrate).min(of_axes).min(arc_feedrate(side.segment, 1.0, machine))
         });
@@ -200,7 +144,7 @@ impl<'a> Corner<'a> {
             change,
             half_sine: 0.5 * change.norm(),
             half_cosine: 0.5 * (u1 + u2).norm(),
-            slower: requested[0].min(requested[1]),
+            overridden,
             faster: sides[0].feedrate.max(sides[1].feedrate),
         }
     }
@@ -217,12 +161,17 @@ impl<'a> Corner<'a> {
         self.half_sine.atan2(self.half_cosine)
     }
 
+    /// Returns the lower of the largest feedrates of both legs, mm/s.
+    fn slower(&self) -> f64 {
+        self.overridden[0].min(self.overridden[1])
+    }
+
     /// Returns κ: the share of an axis's acceleration used by a turn within one servo period.
     fn kink(&self) -> f64 {
         let axes = self.machine.axes.iter().enumerate();
         let share = axes.map(|(k, axis)| {
             let own = axis.acceleration.min(self.machine.path.acceleration);
-            self.change[k].abs() * (self.slower / (SERVO_PERIOD_S * own) + 1.0)
+            self.change[k].abs() * (self.slower() / (SERVO_PERIOD_S * own) + 1.0)
         });
         let of_arc = (0..2).any(|side| self.arc(side).is_some());
         share.fold(0.0, f64::max) * if of_arc { 2.0 } else { 1.0 }
@@ -308,35 +257,6 @@ impl<'a> Corner<'a> {
         };
         Some(LegBend { room, turns, arc: Some(ArcLeg { radius, is_convex, most: angle }) })
     }
-
-    /// Returns half the length of the change from the direction in which the first leg brakes to that in which the
-    /// second speeds up.
-    fn half_sine_of_accelerations(&self) -> f64 {
-        let Some(arc) = self.arc(1) else { return self.half_sine };
-        let CornerSide { segment, feedrate, .. } = self.sides[1];
-        let [u1, u2] = self.directions;
-        let along = PARABOLA_SHARE * limits::blended_acceleration(segment, self.machine);
-        let towards_center = -arc.e1 * (0.5 * feedrate).powi(2) / arc.start_radius;
-        0.5 * ((along * u2 + towards_center).normalize() - u1).norm()
-    }
-
-    /// Returns the parabola of legs of these lengths, mm.
-    fn parabola(&self, tolerance: f64, lengths: [f64; 2]) -> Parabola {
-        let leg = |side: usize| {
-            let CornerSide { segment, feedrate, whole_acceleration } = self.sides[side];
-            let (acceleration, most) =
-                whole_acceleration.map_or_else(|| halved(segment, self.machine), |whole| (whole, feedrate));
-            let requested = feedrate.min(most);
-            let length = lengths[side];
-            (acceleration, requested.min((acceleration * length).sqrt()), length)
-        };
-        let [(a1, v1, l1), (a2, v2, l2)] = [leg(0), leg(1)];
-        let lasts = (l1 / v1).min(l2 / v2).min((v1 / a1).max(v2 / a2));
-        let by_tolerance = 2.0 * (a1 * tolerance / self.half_sine_of_accelerations()).sqrt();
-        let reached = |a: f64, v: f64| v.min(lasts * a).min(by_tolerance);
-        let reached = [reached(a1, v1), reached(a2, v2)];
-        Parabola { accelerations: [a1, a2], reached, requested: v2, tolerance }
-    }
 }
 
 /// A leg where a circle touches it.
@@ -346,51 +266,6 @@ struct LegBend {
     /// Turn from the tangent to the chord that the circle uses, as a part of half the turn, rad.
     turns: f64,
     arc: Option<ArcLeg>,
-}
-
-/// Two legs that run at once.
-struct Parabola {
-    /// a1, a2, mm/s².
-    accelerations: [f64; 2],
-    /// b1, b2, mm/s.
-    reached: [f64; 2],
-    /// Largest feedrate along the second leg, mm/s.
-    requested: f64,
-    /// Contour tolerance, mm.
-    tolerance: f64,
-}
-
-impl Parabola {
-    /// Returns the speed by which a parabola is compared with a circle, mm/s.
-    fn performance(&self, half_cosine: f64) -> f64 {
-        0.25 * half_cosine * (self.reached[0] + self.reached[1])
-    }
-
-    fn blend(&self) -> Blend {
-        let ([a1, a2], b1) = (self.accelerations, self.reached[0]);
-        let lasts = b1 / a1;
-        let end = (a2 * lasts).min(self.requested);
-        let distances = [0.5 * b1 * lasts, 0.5 * end * (2.0 * lasts - end / a2)];
-        let both = distances[0] + distances[1];
-        if both == 0.0 {
-            return Blend { parabola_within: Some(self.tolerance), ..Blend::none(0.0) };
-        }
-        let square = b1 * b1 + (end * end - b1 * b1) * distances[0] / both;
-        // A second leg that comes to its feedrate while the first still brakes makes both together faster than either.
-        let shortening = 0.5 * (b1 + end) * lasts / both;
-        Blend {
-            feedrate: square.sqrt(),
-            ends: [b1, end],
-            fastest: b1.max(end),
-            distances,
-            shortening,
-            // An acceleration of 0 would leave no room for rounding.
-            acceleration: (0.5 * (end * end - b1 * b1).abs() / (shortening * both))
-                .max(MIN_ACCELERATION_RATIO * a1.min(a2)),
-            taken: 0.0,
-            parabola_within: Some(self.tolerance),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -500,11 +375,33 @@ mod tests {
         // A plunge and the arc behind it lie in no plane.
         let toolpath = trace(&read(b"G1 F1200 Z-10\nG3 X20 Y0 I10 J0"), &machine());
         let found = blend_of(&toolpath, &machine(), 0.1, 20.0);
-        let (time, share) = (found.ends[0] / 250.0, found.distances[0]);
+        // The plunge holds its feedrate, so the arc starts half a servo period early on the mean.
+        let (braked, share) = (found.ends[0] / 250.0, found.distances[0]);
+        let time = braked + 0.5e-3;
         assert!(found.is_parabola(), "{found:?}");
-        assert!((share - 0.5 * found.ends[0] * time).abs() < 1e-12, "{found:?}");
+        assert!((share - found.ends[0] * (time - 0.5 * braked)).abs() < 1e-12, "{found:?}");
+        assert!((found.distances[1] - 0.5 * found.ends[1] * time).abs() < 1e-9, "{found:?}");
         let both: f64 = found.distances.iter().sum();
-        assert!((both - 0.5 * (found.ends[0] + found.ends[1]) * time).abs() < 1e-9, "{found:?}");
+        let mean = 0.5 * (found.ends[0] + found.ends[1]);
+        assert!((found.shortening * both - mean * time).abs() < 1e-9, "{found:?}");
+    }
+
+    /// A corner of a rounded end mill path in a recording of LinuxCNC 2.9, off the tangent by a rounded last digit.
+    #[test]
+    fn a_parabola_is_compared_at_the_feedrates_under_the_largest_override() {
+        let mut machine = machine();
+        machine.axes.iter_mut().for_each(|axis| axis.acceleration = 560.0);
+        let program = "G20 G1 X-1.2318 Y0.2384 F36.22\nG2 X-1.2013 Y0.269 I0.0306 J0\nG1 X1.2013";
+        let toolpath = trace(&read(program.as_bytes()), &machine);
+        let segments = [toolpath.segments.at(1), toolpath.segments.at(2)];
+        let feedrate = 36.22 * 25.4 / 60.0;
+        let sides =
+            [0, 1].map(|at| CornerSide { segment: &segments[at], feedrate, whole_acceleration: None });
+        for (max_override, is_parabola) in [(1.0, false), (2.0, true)] {
+            machine.interpolator.max_override = max_override;
+            let found = blend(sides, &machine, 0.0071);
+            assert_eq!(found.is_parabola(), is_parabola, "{max_override}: {found:?}");
+        }
     }
 
     #[test]

@@ -52,6 +52,7 @@ pub mod junction;
 pub mod limits;
 mod merged_path;
 mod override_span;
+mod parabola;
 mod positioning;
 mod pulses;
 mod ramp;

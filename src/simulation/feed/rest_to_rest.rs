@@ -25,6 +25,7 @@ use crate::simulation::feed::corner_blend;
 use crate::simulation::feed::corner_curve::CornerCurve;
 use crate::simulation::feed::halts::HaltSchedule;
 use crate::simulation::feed::junction::{self, CornerTurn};
+use crate::simulation::feed::parabola;
 use crate::simulation::feed::ramp::Ramp;
 use crate::simulation::feed::smoothing;
 use crate::simulation::feed::{
@@ -197,9 +198,9 @@ impl SegmentLimits {
             let last = accelerations.last_mut().expect("a motion has a segment");
             let might_blend = !is_stopped_by_mode(toolpath, end, machine);
             if is_unqueued_arc(toolpath, end - 1) {
-                *last = corner_blend::unqueued_acceleration(&segments.at(end - 1), might_blend, machine);
+                *last = parabola::unqueued_acceleration(&segments.at(end - 1), might_blend, machine);
             } else if might_blend {
-                *last *= corner_blend::PARABOLA_SHARE;
+                *last *= parabola::PARABOLA_SHARE;
             }
         }
         SegmentLimits { end, accelerations, first: first.unwrap_or(0.0), largest }
@@ -376,7 +377,7 @@ impl MotionPlanner<'_> {
             Junction::Tolerance => self.axis_corner_feedrate(&change),
             Junction::AccelerationBlend | Junction::ParabolicBlend | Junction::ExactPath => {
                 let segments = [self.segment(i - 1), self.segment(i)];
-                let side = |at: usize, side: &SegmentAtCorner| corner_blend::CornerSide {
+                let side = |at: usize, side: &SegmentAtCorner| parabola::CornerSide {
                     segment: &segments[at],
                     feedrate: side.feedrate,
                     whole_acceleration: None,
@@ -414,14 +415,14 @@ impl MotionPlanner<'_> {
             let lengths =
                 [self.length(i - 1) - taken(&blends[i - 1], 1), self.length(i) - taken(&blends[i + 1], 0)];
             let segments = [self.segment(i - 1), self.segment(i)];
-            let side = |at: usize| corner_blend::CornerSide {
+            let side = |at: usize| parabola::CornerSide {
                 segment: &segments[at],
                 feedrate: feedrates[i - 1 + at],
                 whole_acceleration: self.unqueued_acceleration(i - 1 + at).or_else(|| {
                     (!self.shares(i - 1 + at, blends)).then(|| self.segment_limits.accelerations[i - 1 + at])
                 }),
             };
-            blends[i] = corner_blend::parabola([side(0), side(1)], self.machine, tolerance, lengths);
+            blends[i] = parabola::blend([side(0), side(1)], self.machine, tolerance, lengths);
         }
     }
 
@@ -436,7 +437,7 @@ impl MotionPlanner<'_> {
     /// segment.
     fn unqueued_acceleration(&self, i: usize) -> Option<f64> {
         is_unqueued_arc(self.toolpath, self.range.start + i)
-            .then(|| corner_blend::unqueued_acceleration(&self.segment(i), true, self.machine))
+            .then(|| parabola::unqueued_acceleration(&self.segment(i), true, self.machine))
     }
 
     /// Returns the pulses and the command at each corner, mm/s, if junctions are blends.
@@ -455,7 +456,7 @@ impl MotionPlanner<'_> {
             let whole = Leg { length, feedrate: feedrate.min(most), acceleration, is_line, is_rapid };
             match (self.shares(i, blends), unqueued) {
                 (true, Some(acceleration)) => Leg { acceleration, ..whole },
-                (true, None) => corner_blend::shared(&self.segment(i), whole, self.machine),
+                (true, None) => parabola::shared(&self.segment(i), whole, self.machine),
                 (false, _) => whole,
             }
         };
