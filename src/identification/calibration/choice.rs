@@ -6,8 +6,9 @@
 use crate::identification::calibration::motion::{motion, spindle_ramp};
 use crate::identification::calibration::rapids::{RapidPlateaus, is_limited_as_rapids};
 use crate::identification::calibration::{
-    BETTER_FAMILY, BETTER_STEPS, MIN_ORDER_COST_DROP, MIN_ORDER_COST_DROP_RATIO, ROUGH_COST_TOLERANCE, Share,
-    assumed, at_own_noise, compared, families, polled, run_fit, set_order, steps, waits, whitened, with_laws,
+    BETTER_FAMILY, BETTER_STEPS, MIN_CONTRADICTING_COST, MIN_ORDER_COST_DROP, MIN_ORDER_COST_DROP_RATIO,
+    ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, compared, families, largest_shift, polled, run_fit,
+    set_order, steps, waits, whitened, with_laws,
 };
 use crate::identification::comparison::Comparison;
 use crate::identification::effects::MIN_EXPLAINED_SHARE;
@@ -15,6 +16,9 @@ use crate::identification::effects::parameters::{DWELL_EXCESS, FILTERS, PROGRAM_
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::{Machine, TimeConstants};
 
+/// Least shift of any moment of the runs, s, by which they tell two planners apart: a servo period of LinuxCNC, to which
+/// the laws of planners hold.
+const MIN_SHIFT_S: f64 = 1e-3;
 /// Initial value of the dwell excess in a fit, s: half the cycle of a 10 ms task.
 const INITIAL_DWELL_EXCESS_S: f64 = 0.005;
 
@@ -77,6 +81,7 @@ impl<'a> Fitting<'a> {
         if shows_ramps {
             self.try_planners(&plain, &mut model);
         }
+        self.try_other_blends(&mut model);
         self.try_assumed_accelerations(&mut model);
         self.try_steps_at_corners(&mut model);
         self.drop_idle_limits(&mut model);
@@ -195,9 +200,29 @@ impl<'a> Fitting<'a> {
             }
             // At the noise of the one that leaves less, or nothing would tell two apart that leave little.
             let margin = 1.0 - BETTER_FAMILY;
-            if best.cost < margin * cost_of(&model.best.machine, self.runs, &whitenings) {
+            if best.cost < margin * cost_of(&model.best.machine, self.runs, &whitenings)
+                && MIN_SHIFT_S < largest_shift([&best.machine, &model.best.machine], self.runs)
+            {
                 *model = Model { best, whitenings, order: 1 };
             }
+        }
+    }
+
+    /// Replaces the model by one with another way to blend corners if the runs contradict the first one. Each is fitted: the
+    /// accelerations may have made up for a wrong way.
+    fn try_other_blends(&mut self, model: &mut Model) {
+        self.share.part = 0.02;
+        let starts = families::with_other_blends(&model.best.machine);
+        let found = starts.iter().map(|start| self.fit(start, model.order, &model.whitenings, FTOL));
+        let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let is_nearer = |found: &Fit| {
+            found.cost < model.best.cost - MIN_CONTRADICTING_COST
+                && MIN_SHIFT_S < largest_shift([&found.machine, &model.best.machine], self.runs)
+        };
+        if let Some(found) = found.filter(is_nearer) {
+            let order = model.order;
+            let (best, whitenings) = self.fit_at_own_noise(&found.machine, order, FTOL);
+            *model = Model { best, whitenings, order };
         }
     }
 

@@ -79,11 +79,17 @@ pub fn guesses(
 /// Returns the machine with another way to blend corners if that is nearer to the runs; `None` if none is nearer or
 /// the machine does not blend corners in time.
 pub fn chosen_again(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Option<Machine> {
+    let ways = [machine.clone()].into_iter().chain(with_other_blends(machine));
+    nearest(ways, runs, whitenings).filter(|other| other.interpolator != machine.interpolator)
+}
+
+/// Returns the machine with each other way to blend corners; none if it does not blend corners in time.
+pub fn with_other_blends(machine: &Machine) -> Vec<Machine> {
     if !machine.interpolator.junction.blends_in_time() {
-        return None;
+        return Vec::new();
     }
     let ways = with_circles(machine).into_iter().chain([with_parabolas(machine)]);
-    nearest(ways, runs, whitenings).filter(|other| other.interpolator != machine.interpolator)
+    ways.filter(|other| other.interpolator != machine.interpolator).collect()
 }
 
 /// Returns the machine with circles at corners, for each largest override that a control may plan them for.

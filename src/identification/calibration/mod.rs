@@ -156,6 +156,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     };
     let (judgement, alike) = alike::alike(judgement, &mut fit);
     let untold = untold::untold(&judgement, alike, runs, &whitenings, &mut fit);
+    let least_accelerations = untold::least(&judgement.last, untold, runs, &whitenings);
     let kept: Vec<(FreeParameter, f64)> = judgement.fitted().cloned().collect();
     let Judgement { all, believed, verdicts, deviations, mut last } = judgement;
     let assumed_rapids = rapids::assumed(&last.machine, fitting.plateaus);
@@ -185,6 +186,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let estimates = alike::of_each_axis(estimates.collect(), alike, untold, machine);
     rapids::limit_feed_as_rapids(&mut last.machine, fitting.plateaus);
     last.machine.calibrated_on.assumed_accelerations = untold;
+    last.machine.calibrated_on.least_accelerations = least_accelerations;
     last.machine.calibrated_on.assumed_rapids = assumed_rapids;
     let after = compared(&last.machine, runs);
     let programmed = Tolerances::Programmed;
@@ -210,6 +212,15 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
 /// Returns the comparisons of the runs with a machine.
 fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {
     runs.iter().map(|run| run.compared(machine)).collect()
+}
+
+/// Returns the largest difference between the moments of the runs on two machines, s.
+fn largest_shift(machines: [&Machine; 2], runs: &[Run]) -> f64 {
+    let of_run = |run: &Run| {
+        let [one, other] = machines.map(|machine| run.residuals(machine));
+        one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
+    };
+    runs.iter().map(of_run).fold(0.0, f64::max)
 }
 
 /// Returns the time between polls (s) of a log with lines and feedrates alone; `None` for any other recording.

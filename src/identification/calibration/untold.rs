@@ -4,18 +4,22 @@
 //! in the direction d has the acceleration min_k a_k/|d_k|, and one direction does not show which of them is the
 //! least. An axis is determined if the other parameters, fitted again without its limit, are farther from the runs,
 //! and if the standard deviation of the fit is small. The machine file names the axes that are not determined, and
-//! a diagnosis fits their accelerations again beside a cause.
+//! a diagnosis fits their accelerations again beside a cause. It goes no lower than the least acceleration at which the
+//! calibrating runs would not have been slower: what a cause loses on the same program is not the axis.
 
 use crate::identification::calibration::alike::AlikeAxes;
 use crate::identification::calibration::judgement::Judgement;
 use crate::identification::calibration::motion::axis_of;
-use crate::identification::calibration::{MIN_CONTRADICTING_COST, ParameterVerdict};
+use crate::identification::calibration::{MIN_CONTRADICTING_COST, ParameterVerdict, largest_shift};
+use crate::identification::effects::parameters::AXIS_ACCELERATION;
 use crate::identification::fit::{Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::Machine;
 
 /// Least shift of any moment of the runs, s, from which they determine a limit. Below it, a fit follows the error
 /// of the model.
 const MIN_MOVED_S: f64 = 0.015;
+/// Number of halvings of the range, as a ratio, in which a least acceleration is searched: to 1.8 %.
+const HALVINGS: usize = 7;
 /// Largest relative standard deviation of a limit that the runs determine. A cause would be off by as much, and a
 /// diagnosis calls more than that part of the lost time unexplained.
 const MAX_RELATIVE_DEVIATION: f64 = 0.05;
@@ -38,10 +42,7 @@ pub fn untold(
             untold[axis] = true;
         }
     }
-    let is_unseen = |machine: &Machine, cost: f64| {
-        let moved = runs.iter().map(|run| farthest(&run.residuals(&last.machine), &run.residuals(machine)));
-        cost < last.cost + MIN_CONTRADICTING_COST || moved.fold(0.0, f64::max) < MIN_MOVED_S
-    };
+    let is_unseen = |machine: &Machine, cost: f64| is_unseen(machine, cost, last, runs);
     let is_vague = |value: f64, deviation: f64| MAX_RELATIVE_DEVIATION * value < deviation;
     for axis in alike.axes {
         let mut without = last.machine.clone();
@@ -71,9 +72,36 @@ pub fn untold(
     untold
 }
 
-/// Returns the largest difference between corresponding times of two lists, s.
-fn farthest(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
+/// Returns the least acceleration of each axis that is `untold`, mm/s²: with a lower one the runs would have been slower.
+/// 0 for the other axes; `None` if there are no untold ones.
+pub fn least(last: &Fit, untold: [bool; 3], runs: &[Run], whitenings: &[Whitening]) -> Option<[f64; 3]> {
+    let of_axis = |axis: usize| {
+        let own = last.machine.axes[axis].acceleration;
+        let lowest = AXIS_ACCELERATION[axis].assumed(own).bounds.0;
+        let is_allowed = |acceleration: f64| {
+            let mut lower = last.machine.clone();
+            lower.axes[axis].acceleration = acceleration;
+            is_unseen(&lower, cost_of(&lower, runs, whitenings), last, runs)
+        };
+        if !untold[axis] || !own.is_finite() {
+            return 0.0;
+        }
+        if is_allowed(lowest) {
+            return lowest;
+        }
+        let (mut contradicted, mut allowed) = (lowest, own);
+        for _ in 0..HALVINGS {
+            let between = (contradicted * allowed).sqrt();
+            *if is_allowed(between) { &mut allowed } else { &mut contradicted } = between;
+        }
+        contradicted
+    };
+    untold.contains(&true).then(|| [0, 1, 2].map(of_axis))
+}
+
+/// Returns `true` if the runs do not tell a machine that has this cost from the one of the last fit.
+fn is_unseen(machine: &Machine, cost: f64, last: &Fit, runs: &[Run]) -> bool {
+    cost < last.cost + MIN_CONTRADICTING_COST || largest_shift([&last.machine, machine], runs) < MIN_MOVED_S
 }
 
 #[cfg(test)]

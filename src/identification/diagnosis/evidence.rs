@@ -238,18 +238,22 @@ impl<'a> Evidence<'a> {
 /// Returns the parameters of a machine that no run of its calibration determined: accelerations and rapid rates, the
 /// latter of the axes or along the path.
 pub fn assumed(machine: &Machine) -> Vec<FreeParameter> {
-    let of = |parameter: Adjustable| {
+    let of = |parameter: Adjustable, least: f64| {
         let own = parameter.handle().get(machine).filter(|own| own.is_finite())?;
-        Some(parameter.assumed(own))
+        let mut freed = parameter.assumed(own);
+        freed.bounds.0 = freed.bounds.0.max(least.min(own));
+        Some(freed)
     };
     let on = &machine.calibrated_on;
-    let among = |parameters: [Adjustable; 3], assumed: [bool; 3]| {
-        let pairs = parameters.into_iter().zip(assumed);
-        pairs.filter_map(|(parameter, is_assumed)| is_assumed.then_some(parameter))
-    };
-    let accelerations = among(AXIS_ACCELERATION, on.assumed_accelerations);
+    let least = on.least_accelerations.unwrap_or_default();
+    let accelerations = (0..3).filter(|axis| on.assumed_accelerations[*axis]);
+    let rapids = (0..3).filter(|axis| on.assumed_rapids[*axis]);
     let along_path = (on.assumed_rapids == [true; 3]).then_some(RAPID_FEEDRATE);
-    accelerations.chain(among(AXIS_RAPID, on.assumed_rapids)).chain(along_path).filter_map(of).collect()
+    let rapids = rapids.map(|axis| AXIS_RAPID[axis]).chain(along_path);
+    accelerations
+        .filter_map(|axis| of(AXIS_ACCELERATION[axis], least[axis]))
+        .chain(rapids.filter_map(|parameter| of(parameter, 0.0)))
+        .collect()
 }
 
 /// Returns the standard deviation of a first parameter that is known to be nearer to the trial `at` than to those

@@ -38,6 +38,7 @@ pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f
         range: Some(half_range(&errors, programs.len())),
         velocities: velocities(runs),
         assumed_accelerations: machine.calibrated_on.assumed_accelerations,
+        least_accelerations: machine.calibrated_on.least_accelerations,
         assumed_rapids: machine.calibrated_on.assumed_rapids,
         ..features_of(runs.iter().map(|run| run.toolpath))
     }

@@ -20,7 +20,7 @@ fn numbers_of(axes: [bool; 3]) -> Option<Vec<f64>> {
 }
 
 /// The rows, in the order of forms and files; an edit of the motion clears them.
-pub const CALIBRATED: [Parameter; 16] = [
+pub const CALIBRATED: [Parameter; 17] = [
     row!("calibration.cycle_time_error_percent", "Error of the cycle time", optional Percent (0.0, 100.0) [cycle_time_error],
         "By how much the cycle time was off when these numbers were calibrated; the uncertainty of a quote. Empty: unknown. Editing the motion empties it."),
     row!("calibration.unexplained_percent", "Time left unexplained", optional Percent (0.0, 1000.0) [unexplained_time],
@@ -66,6 +66,8 @@ pub const CALIBRATED: [Parameter; 16] = [
         ),
         "Axes (1 X, 2 Y, 3 Z) whose acceleration the calibrating runs do not determine. It comes from the other axes, or holds only together with theirs. A diagnosis fits it again beside each cause."
     ),
+    row!("calibration.least_accelerations_mm_s2", "Least accelerations", axes MillimetrePerSecond2 (0.0, 1e7) [calibrated_on.least_accelerations],
+        "Accelerations that X, Y and Z have at least: with lower ones the calibrating runs would have been slower. A diagnosis that fits an assumed acceleration again goes no lower. 0 for an axis whose acceleration was not assumed."),
     row!(
         "calibration.assumed_rapids",
         "Assumed rapids",

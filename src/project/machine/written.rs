@@ -5,7 +5,7 @@ use crate::project::TextFault;
 use crate::units::Unit;
 
 /// Keys of a machine's calibration: its errors and programs.
-pub const CALIBRATION_KEYS: [&str; 16] = [
+pub const CALIBRATION_KEYS: [&str; 17] = [
     "calibration.cycle_time_error_percent",
     "calibration.unexplained_percent",
     "calibration.form_error_mm",
@@ -19,6 +19,7 @@ pub const CALIBRATION_KEYS: [&str; 16] = [
     "calibration.velocities_mm_min",
     "calibration.travels_mm",
     "calibration.assumed_accelerations",
+    "calibration.least_accelerations_mm_s2",
     "calibration.assumed_rapids",
     "calibration.m_codes",
     "calibration.tolerances_mm",
