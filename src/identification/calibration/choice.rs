@@ -1,7 +1,8 @@
 //! Runs → the model of the control that is nearest to them, fitted.
 //!
-//! The choice begins with filters, of each order and with the laws that the runs show; planners follow, and steps
-//! of velocity at corners. Another model is taken if it is nearer by the margin of its kind (see the front file).
+//! The choice begins with filters, of each order and with the laws that the runs show; planners follow, with each way to
+//! blend corners, and steps of velocity at corners. Another model is taken if it is nearer by the margin of its kind (see
+//! the front file).
 
 use crate::identification::calibration::motion::{motion, spindle_ramp};
 use crate::identification::calibration::rapids::{RapidPlateaus, is_limited_as_rapids};
@@ -251,5 +252,46 @@ impl<'a> Fitting<'a> {
             let (best, whitenings) = self.fit_at_own_noise(&found.machine, order, ROUGH_COST_TOLERANCE);
             *model = Model { best, whitenings, order };
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::alignment::{Alignment, Mark, Method, ProgramPlace, times};
+    use crate::machine::Planner;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::simulate;
+
+    /// Wide corners, which LinuxCNC rounds the more the larger the override that it plans for.
+    #[test]
+    fn accelerations_do_not_make_up_for_a_wrong_override() {
+        let mut truth = Machine::default();
+        truth.become_planner(Planner::AccelerationBlend, 1560.0);
+        truth.interpolator.max_override = 2.0;
+        let program = format!("G1 F2820\n{}", "X1.5 Y0\nX0 Y-6.543\nX13.212\nY0\n".repeat(6));
+        let toolpath = trace(&read(program.as_bytes()), &truth);
+        let places: Vec<ProgramPlace> = toolpath.ends().map(ProgramPlace::Along).collect();
+        let simulated = times(&toolpath, &simulate(&toolpath, &truth), &places);
+        let end = simulated.last().copied().unwrap_or_default();
+        let mark = |(place, time): (ProgramPlace, f64)| Mark { place, time, deviation: 1e-4 };
+        let marks = places.into_iter().zip(simulated).map(mark).collect();
+        let alignment = Alignment::of_marks(Method::Positions, 0.0..end, marks, 400.0);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let mut believed = truth.clone();
+        believed.interpolator.max_override = 1.2;
+        let before = compared(&believed, &runs);
+        let mut progress = |_| {};
+        let (mut fitting, start) = Fitting::new(&believed, &runs, &before, &mut progress);
+        let (best, whitenings) = fitting.fit_at_own_noise(&start, 1, FTOL);
+        let mut model = Model { best, whitenings, order: 1 };
+        let accelerations = |model: &Model| model.best.machine.axes.clone().map(|axis| axis.acceleration);
+        let made_up = accelerations(&model);
+        assert!(made_up[..2].iter().any(|own| 0.02 < (own / 1560.0 - 1.0).abs()), "{made_up:?}");
+        fitting.try_other_blends(&mut model);
+        let found = accelerations(&model);
+        assert!(found[..2].iter().all(|own| (own / 1560.0 - 1.0).abs() < 1e-3), "{found:?}");
+        assert!(1.2 < model.best.machine.interpolator.max_override);
     }
 }

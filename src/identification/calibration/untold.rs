@@ -115,9 +115,8 @@ mod tests {
     use crate::simulation::interpreter::trace;
     use crate::simulation::simulate;
 
-    /// Both axes hold the run back, but the runs hardly determine the value of Y.
-    #[test]
-    fn an_alike_axis_with_a_vague_value_is_untold() {
+    /// Passes the fit of a planner to legs along X and Y on, at the machine that ran them.
+    fn on_legs(test: impl FnOnce(Fit, &[Run], &[Whitening])) {
         let mut machine = Machine::default();
         machine.interpolator.junction = Junction::AccelerationBlend;
         machine.axes.iter_mut().for_each(|axis| axis.acceleration = 500.0);
@@ -138,19 +137,38 @@ mod tests {
             whitened: Vec::new(),
             converged: true,
         };
-        let judgement = Judgement {
-            all: Vec::new(),
-            believed: Vec::new(),
-            verdicts: Vec::new(),
-            deviations: Vec::new(),
-            last,
-        };
-        let untold_with = |deviation_of_y: f64| {
-            let alike = AlikeAxes { axes: &[0, 1], deviations: [1.0, deviation_of_y, f64::INFINITY] };
-            untold(&judgement, alike, &runs, &whitenings, |_, _| unreachable!("nothing is fitted"))
-        };
-        assert_eq!(untold_with(20.0), [false; 3]);
-        assert_eq!(untold_with(30.0), [false, true, false]);
-        assert_eq!(untold_with(f64::INFINITY), [false, true, false]);
+        test(last, &runs, &whitenings);
+    }
+
+    /// Both axes hold the run back, but the runs hardly determine the value of Y.
+    #[test]
+    fn an_alike_axis_with_a_vague_value_is_untold() {
+        on_legs(|last, runs, whitenings| {
+            let (all, believed, verdicts, deviations) = Default::default();
+            let judgement = Judgement { all, believed, verdicts, deviations, last };
+            let untold_with = |deviation_of_y: f64| {
+                let alike = AlikeAxes { axes: &[0, 1], deviations: [1.0, deviation_of_y, f64::INFINITY] };
+                untold(&judgement, alike, runs, whitenings, |_, _| unreachable!("nothing is fitted"))
+            };
+            assert_eq!(untold_with(20.0), [false; 3]);
+            assert_eq!(untold_with(30.0), [false, true, false]);
+            assert_eq!(untold_with(f64::INFINITY), [false, true, false]);
+        });
+    }
+
+    #[test]
+    fn a_lower_acceleration_than_the_least_one_would_have_slowed_the_runs() {
+        on_legs(|last, runs, whitenings| {
+            assert_eq!(least(&last, [false; 3], runs, whitenings), None);
+            let found = least(&last, [false, true, true], runs, whitenings).expect("two are untold");
+            // X is told, and Z, which never moves, may be as slow as a fit tries.
+            assert!(found[0] == 0.0 && (found[2] - 50.0).abs() < 1e-9, "{found:?}");
+            let shift = |ratio: f64| {
+                let mut slower = last.machine.clone();
+                slower.axes[1].acceleration = ratio * found[1];
+                largest_shift([&last.machine, &slower], runs)
+            };
+            assert!(MIN_MOVED_S < shift(0.99) && shift(1.02) < MIN_MOVED_S, "{found:?}");
+        });
     }
 }
