@@ -154,8 +154,10 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
             from += 1;
             continue;
         }
+        // At a low rate the tool rests anywhere between two fixes that are far apart.
+        let near = short.max(0.5 * (fixes[to].distance - fixes[from].distance));
         let rest = match run.alignment.method {
-            Method::Positions => rest_at(run, &profile, at, short, lost(first, last))
+            Method::Positions => rest_at(run, &profile, at, near, lost(first, last))
                 .map(|rest| Rest { held_on: rest.held_on.filter(|_| may_be_held(rest.begin)), ..rest }),
             // Where the recorder slept the machine went on: one that stands says so.
             Method::Lines | Method::Feed
