@@ -96,7 +96,7 @@ fn the_next_leg_starts_at_the_beginning_of_a_servo_period() {
     let (count, turn) = (60, 0.04f64);
     for length in [2.05, 2.2, 2.56, 3.3, 7.0] {
         let leg = |at: usize| {
-            let (sin, cos) = if at % 2 == 0 { (0.0, 1.0) } else { turn.sin_cos() };
+            let (sin, cos) = if at.is_multiple_of(2) { (0.0, 1.0) } else { turn.sin_cos() };
             format!("G91 X{:.9} Y{:.9}\n", length * cos, length * sin)
         };
         let program = format!("G21 G64\nG1 F3190\n{}", (0..count).map(leg).collect::<String>());

@@ -286,7 +286,7 @@ mod tests {
         let (mut fitting, start) = Fitting::new(&believed, &runs, &before, &mut progress);
         let (best, whitenings) = fitting.fit_at_own_noise(&start, 1, FTOL);
         let mut model = Model { best, whitenings, order: 1 };
-        let accelerations = |model: &Model| model.best.machine.axes.clone().map(|axis| axis.acceleration);
+        let accelerations = |model: &Model| model.best.machine.axes.map(|axis| axis.acceleration);
         let made_up = accelerations(&model);
         assert!(made_up[..2].iter().any(|own| 0.02 < (own / 1560.0 - 1.0).abs()), "{made_up:?}");
         fitting.try_other_blends(&mut model);
