@@ -8,7 +8,7 @@
 use crate::identification::alignment::map_matching::{Track, follow};
 use crate::identification::alignment::path::Path;
 use crate::identification::alignment::place::{ProgramPlace, times};
-use crate::identification::alignment::{Alignment, Method};
+use crate::identification::alignment::{Alignment, Mark, Method};
 use crate::machine::{Axis, Machine};
 use crate::simulation::drive::actual_motion;
 use crate::simulation::feed::FeedPlan;
@@ -17,6 +17,18 @@ use crate::simulation::toolpath::{Point, Toolpath};
 
 /// Most samples of a simulated recording.
 const MAX_SAMPLES: f64 = 200_000.0;
+
+/// Returns a mark at each of these places, at the time of the simulated motion; `deviation` is the standard deviation of
+/// each time, s.
+pub fn simulated_marks(
+    toolpath: &Toolpath,
+    plan: &FeedPlan,
+    places: Vec<ProgramPlace>,
+    deviation: f64,
+) -> Vec<Mark> {
+    let times = times(toolpath, plan, &places);
+    places.into_iter().zip(times).map(|(place, time)| Mark { place, time, deviation }).collect()
+}
 
 /// Returns the time at which the simulated machine is at each mark, s: on its path, or as a recorder would
 /// see its drives.

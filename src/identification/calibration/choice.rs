@@ -16,10 +16,11 @@ use crate::identification::effects::MIN_EXPLAINED_SHARE;
 use crate::identification::effects::parameters::{DWELL_EXCESS, FILTERS, PROGRAM_START};
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::{Machine, TimeConstants};
+use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 
-/// Least shift of any moment of the runs, s, by which they tell two planners apart: a servo period of LinuxCNC, to which
-/// the laws of planners hold.
-const MIN_SHIFT_S: f64 = 1e-3;
+/// Least shift of any moment of the runs that distinguishes two planners, s. Simulated planners are not more exact than a
+/// servo period.
+const MIN_DISTINGUISHING_SHIFT_S: f64 = LINUXCNC_SERVO_PERIOD_S;
 /// Initial value of the dwell excess in a fit, s: half the cycle of a 10 ms task.
 const INITIAL_DWELL_EXCESS_S: f64 = 0.005;
 
@@ -202,29 +203,38 @@ impl<'a> Fitting<'a> {
             // At the noise of the one that leaves less, or nothing would tell two apart that leave little.
             let margin = 1.0 - BETTER_FAMILY;
             if best.cost < margin * cost_of(&model.best.machine, self.runs, &whitenings)
-                && MIN_SHIFT_S < largest_shift([&best.machine, &model.best.machine], self.runs)
+                && self.can_distinguish(&best.machine, &model.best.machine)
             {
                 *model = Model { best, whitenings, order: 1 };
             }
         }
     }
 
-    /// Replaces the model by one with another way to blend corners if the runs contradict the first one. Each is fitted: the
-    /// accelerations may have made up for a wrong way.
+    /// Replaces the model by one with another way to blend corners if the runs contradict the first one. It fits each of
+    /// them, because the accelerations may have made up for a wrong one.
     fn try_other_blends(&mut self, model: &mut Model) {
         self.share.part = 0.02;
         let starts = families::with_other_blends(&model.best.machine);
-        let found = starts.iter().map(|start| self.fit(start, model.order, &model.whitenings, FTOL));
-        let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));
-        let is_nearer = |found: &Fit| {
-            found.cost < model.best.cost - MIN_CONTRADICTING_COST
-                && MIN_SHIFT_S < largest_shift([&found.machine, &model.best.machine], self.runs)
-        };
-        if let Some(found) = found.filter(is_nearer) {
+        let Some(found) = self.nearest_fit(&starts, model, FTOL) else { return };
+        if found.cost < model.best.cost - MIN_CONTRADICTING_COST
+            && self.can_distinguish(&found.machine, &model.best.machine)
+        {
             let order = model.order;
             let (best, whitenings) = self.fit_at_own_noise(&found.machine, order, FTOL);
             *model = Model { best, whitenings, order };
         }
+    }
+
+    /// Returns the fit of least cost among those that start from these machines, at the order and noise of a model; `None`
+    /// if there is no start.
+    fn nearest_fit(&mut self, starts: &[Machine], model: &Model, hardly: f64) -> Option<Fit> {
+        let fits = starts.iter().map(|start| self.fit(start, model.order, &model.whitenings, hardly));
+        fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
+    }
+
+    /// Returns `true` if the runs can distinguish two planners.
+    fn can_distinguish(&self, one: &Machine, other: &Machine) -> bool {
+        MIN_DISTINGUISHING_SHIFT_S < largest_shift([one, other], self.runs)
     }
 
     /// Fits once more from the accelerations of other axes if that of an axis is unknown, and replaces the model if
@@ -245,9 +255,7 @@ impl<'a> Fitting<'a> {
         self.share.part = 0.03;
         let order = model.order;
         let starts = steps::guesses(self.machine, &model.best.machine, self.runs, &model.whitenings);
-        let found =
-            starts.iter().map(|start| self.fit(start, order, &model.whitenings, ROUGH_COST_TOLERANCE));
-        let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let found = self.nearest_fit(&starts, model, ROUGH_COST_TOLERANCE);
         if let Some(found) = found.filter(|found| found.cost < (1.0 - BETTER_STEPS) * model.best.cost) {
             let (best, whitenings) = self.fit_at_own_noise(&found.machine, order, ROUGH_COST_TOLERANCE);
             *model = Model { best, whitenings, order };
@@ -258,7 +266,7 @@ impl<'a> Fitting<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::alignment::{Alignment, Mark, Method, ProgramPlace, times};
+    use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
     use crate::machine::Planner;
     use crate::simulation::gcode::read;
     use crate::simulation::interpreter::trace;
@@ -272,12 +280,10 @@ mod tests {
         truth.interpolator.max_override = 2.0;
         let program = format!("G1 F2820\n{}", "X1.5 Y0\nX0 Y-6.543\nX13.212\nY0\n".repeat(6));
         let toolpath = trace(&read(program.as_bytes()), &truth);
-        let places: Vec<ProgramPlace> = toolpath.ends().map(ProgramPlace::Along).collect();
-        let simulated = times(&toolpath, &simulate(&toolpath, &truth), &places);
-        let end = simulated.last().copied().unwrap_or_default();
-        let mark = |(place, time): (ProgramPlace, f64)| Mark { place, time, deviation: 1e-4 };
-        let marks = places.into_iter().zip(simulated).map(mark).collect();
-        let alignment = Alignment::of_marks(Method::Positions, 0.0..end, marks, 400.0);
+        let plan = simulate(&toolpath, &truth);
+        let ends = toolpath.ends().map(ProgramPlace::Along).collect();
+        let marks = simulated_marks(&toolpath, &plan, ends, 1e-4);
+        let alignment = Alignment::of_marks(Method::Positions, 0.0..plan.cycle_time(), marks, 400.0);
         let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
         let mut believed = truth.clone();
         believed.interpolator.max_override = 1.2;

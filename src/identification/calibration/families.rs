@@ -79,7 +79,11 @@ pub fn guesses(
 /// Returns the machine with another way to blend corners if that is nearer to the runs; `None` if none is nearer or
 /// the machine does not blend corners in time.
 pub fn chosen_again(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Option<Machine> {
-    let ways = [machine.clone()].into_iter().chain(with_other_blends(machine));
+    let others = with_other_blends(machine);
+    if others.is_empty() {
+        return None;
+    }
+    let ways = [machine.clone()].into_iter().chain(others);
     nearest(ways, runs, whitenings).filter(|other| other.interpolator != machine.interpolator)
 }
 

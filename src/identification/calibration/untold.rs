@@ -5,7 +5,7 @@
 //! least. An axis is determined if the other parameters, fitted again without its limit, are farther from the runs,
 //! and if the standard deviation of the fit is small. The machine file names the axes that are not determined, and
 //! a diagnosis fits their accelerations again beside a cause. It goes no lower than the least acceleration at which the
-//! calibrating runs would not have been slower: what a cause loses on the same program is not the axis.
+//! calibrating runs would not have been slower: on the same program, a lower one cannot explain the lost time of a cause.
 
 use crate::identification::calibration::alike::AlikeAxes;
 use crate::identification::calibration::judgement::Judgement;
@@ -42,13 +42,12 @@ pub fn untold(
             untold[axis] = true;
         }
     }
-    let is_unseen = |machine: &Machine, cost: f64| is_unseen(machine, cost, last, runs);
     let is_vague = |value: f64, deviation: f64| MAX_RELATIVE_DEVIATION * value < deviation;
     for axis in alike.axes {
         let mut without = last.machine.clone();
         without.axes[*axis].acceleration = f64::INFINITY;
         untold[*axis] = is_vague(last.machine.axes[*axis].acceleration, alike.deviations[*axis])
-            || is_unseen(&without, cost_of(&without, runs, whitenings));
+            || is_unseen(&without, cost_of(&without, runs, whitenings), last, runs);
     }
     let fitted_ones = (0..all.len()).filter(|at| verdicts[*at] == ParameterVerdict::Fitted);
     for (place, at) in fitted_ones.enumerate() {
@@ -67,7 +66,7 @@ pub fn untold(
             (freed.starting_at(freed.handle.get(&last.machine).unwrap_or(freed.start)), *before)
         });
         let rest = fitted(&without, &rest.collect::<Vec<_>>());
-        untold[axis] = is_unseen(&rest.machine, rest.cost);
+        untold[axis] = is_unseen(&rest.machine, rest.cost, last, runs);
     }
     untold
 }
@@ -77,7 +76,7 @@ pub fn untold(
 pub fn least(last: &Fit, untold: [bool; 3], runs: &[Run], whitenings: &[Whitening]) -> Option<[f64; 3]> {
     let of_axis = |axis: usize| {
         let own = last.machine.axes[axis].acceleration;
-        let lowest = AXIS_ACCELERATION[axis].assumed(own).bounds.0;
+        let lowest = AXIS_ACCELERATION[axis].assumed(own, 0.0).bounds.0;
         let is_allowed = |acceleration: f64| {
             let mut lower = last.machine.clone();
             lower.axes[axis].acceleration = acceleration;
@@ -99,7 +98,7 @@ pub fn least(last: &Fit, untold: [bool; 3], runs: &[Run], whitenings: &[Whitenin
     untold.contains(&true).then(|| [0, 1, 2].map(of_axis))
 }
 
-/// Returns `true` if the runs do not tell a machine that has this cost from the one of the last fit.
+/// Returns `true` if the runs cannot distinguish a machine with this cost from that of the last fit.
 fn is_unseen(machine: &Machine, cost: f64, last: &Fit, runs: &[Run]) -> bool {
     cost < last.cost + MIN_CONTRADICTING_COST || largest_shift([&last.machine, machine], runs) < MIN_MOVED_S
 }
@@ -109,22 +108,20 @@ mod tests {
     use nalgebra::DMatrix;
 
     use super::*;
-    use crate::identification::alignment::{Alignment, Mark, Method, ProgramPlace, times};
+    use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
     use crate::machine::Junction;
     use crate::simulation::gcode::read;
     use crate::simulation::interpreter::trace;
     use crate::simulation::simulate;
 
-    /// Passes the fit of a planner to legs along X and Y on, at the machine that ran them.
+    /// Calls `test` with legs along X and Y and with a fit that has the machine that ran them.
     fn on_legs(test: impl FnOnce(Fit, &[Run], &[Whitening])) {
         let mut machine = Machine::default();
         machine.interpolator.junction = Junction::AccelerationBlend;
         machine.axes.iter_mut().for_each(|axis| axis.acceleration = 500.0);
         let toolpath = trace(&read(b"G1 X100 F6000\nY100\nX0\nY0"), &machine);
-        let places: Vec<ProgramPlace> = toolpath.ends().map(ProgramPlace::Along).collect();
-        let simulated = times(&toolpath, &simulate(&toolpath, &machine), &places);
-        let mark = |(place, time): (ProgramPlace, f64)| Mark { place, time, deviation: 1e-3 };
-        let marks = places.into_iter().zip(simulated).map(mark).collect();
+        let ends = toolpath.ends().map(ProgramPlace::Along).collect();
+        let marks = simulated_marks(&toolpath, &simulate(&toolpath, &machine), ends, 1e-3);
         let alignment = Alignment::of_marks(Method::Lines, 0.0..10.0, marks, 400.0);
         let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
         let whitenings = [Whitening::new(&alignment, 1e-3)];
@@ -161,7 +158,7 @@ mod tests {
         on_legs(|last, runs, whitenings| {
             assert_eq!(least(&last, [false; 3], runs, whitenings), None);
             let found = least(&last, [false, true, true], runs, whitenings).expect("two are untold");
-            // X is told, and Z, which never moves, may be as slow as a fit tries.
+            // The runs determine X. Z never moves, so any acceleration that a fit tries is allowed.
             assert!(found[0] == 0.0 && (found[2] - 50.0).abs() < 1e-9, "{found:?}");
             let shift = |ratio: f64| {
                 let mut slower = last.machine.clone();

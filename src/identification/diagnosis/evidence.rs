@@ -238,22 +238,20 @@ impl<'a> Evidence<'a> {
 /// Returns the parameters of a machine that no run of its calibration determined: accelerations and rapid rates, the
 /// latter of the axes or along the path.
 pub fn assumed(machine: &Machine) -> Vec<FreeParameter> {
-    let of = |parameter: Adjustable, least: f64| {
+    let of = |(parameter, least): (Adjustable, f64)| {
         let own = parameter.handle().get(machine).filter(|own| own.is_finite())?;
-        let mut freed = parameter.assumed(own);
-        freed.bounds.0 = freed.bounds.0.max(least.min(own));
-        Some(freed)
+        Some(parameter.assumed(own, least))
     };
     let on = &machine.calibrated_on;
     let least = on.least_accelerations.unwrap_or_default();
-    let accelerations = (0..3).filter(|axis| on.assumed_accelerations[*axis]);
-    let rapids = (0..3).filter(|axis| on.assumed_rapids[*axis]);
-    let along_path = (on.assumed_rapids == [true; 3]).then_some(RAPID_FEEDRATE);
-    let rapids = rapids.map(|axis| AXIS_RAPID[axis]).chain(along_path);
-    accelerations
-        .filter_map(|axis| of(AXIS_ACCELERATION[axis], least[axis]))
-        .chain(rapids.filter_map(|parameter| of(parameter, 0.0)))
-        .collect()
+    let among = |parameters: [Adjustable; 3], assumed: [bool; 3], least: [f64; 3]| {
+        let pairs = parameters.into_iter().zip(least).zip(assumed);
+        pairs.filter_map(|(pair, is_assumed)| is_assumed.then_some(pair))
+    };
+    let accelerations = among(AXIS_ACCELERATION, on.assumed_accelerations, least);
+    let along_path = (on.assumed_rapids == [true; 3]).then_some((RAPID_FEEDRATE, 0.0));
+    let rapids = among(AXIS_RAPID, on.assumed_rapids, [0.0; 3]);
+    accelerations.chain(rapids).chain(along_path).filter_map(of).collect()
 }
 
 /// Returns the standard deviation of a first parameter that is known to be nearer to the trial `at` than to those

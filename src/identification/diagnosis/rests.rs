@@ -154,7 +154,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
             from += 1;
             continue;
         }
-        // At a low rate the tool rests anywhere between two fixes that are far apart.
+        // At a low rate two fixes may be far apart, and the tool may rest anywhere between them.
         let near = short.max(0.5 * (fixes[to].distance - fixes[from].distance));
         let rest = match run.alignment.method {
             Method::Positions => rest_at(run, &profile, at, near, lost(first, last))

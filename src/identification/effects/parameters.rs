@@ -92,9 +92,10 @@ impl Adjustable {
     }
 
     /// Returns the free parameter that a diagnosis fits beside a cause, because a calibration had to assume its
-    /// value `own`, core units.
-    pub fn assumed(&self, own: f64) -> FreeParameter {
-        self.free(own, ASSUMED_RATIOS.around(own))
+    /// value `own`, core units. It stays above `least`, unless `own` is lower.
+    pub fn assumed(&self, own: f64, least: f64) -> FreeParameter {
+        let (low, high) = ASSUMED_RATIOS.around(own);
+        self.free(own, (low.max(least.min(own)), high))
     }
 
     fn free(&self, start: f64, bounds: (f64, f64)) -> FreeParameter {
@@ -299,7 +300,8 @@ mod tests {
     fn every_row_is_of_a_machine_parameter_and_has_bounds_in_order() {
         for row in ROWS.iter().chain(ROWS_OF_AXES.as_flattened()) {
             assert_eq!(row.handle().key(), row.key);
-            for (least, largest) in [row.tried().bounds, row.calibrated(1.0).bounds, row.assumed(1.0).bounds]
+            for (least, largest) in
+                [row.tried().bounds, row.calibrated(1.0).bounds, row.assumed(1.0, 0.0).bounds]
             {
                 assert!(least < largest, "{}", row.key);
             }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::identification::alignment::{Alignment, Mark, Method, ProgramPlace, Track};
+use crate::identification::alignment::{Alignment, Method, ProgramPlace, Track, simulated_marks};
 use crate::identification::effects::Hypothesis;
 use crate::identification::fit::{Run, Whitening};
 use crate::identification::probe::STAMP_DEVIATION_S;
@@ -74,9 +74,7 @@ impl ProbeTrial {
             }
         }
         pass(f64::INFINITY, &mut places);
-        let times = crate::identification::alignment::times(&toolpath, &plan, &places);
-        let mark = |(place, time): (ProgramPlace, f64)| Mark { place, time, deviation: STAMP_DEVIATION_S };
-        let marks: Vec<Mark> = places.into_iter().zip(times).map(mark).collect();
+        let marks = simulated_marks(&toolpath, &plan, places, STAMP_DEVIATION_S);
         let track = Track {
             time: states.iter().map(|(time, _)| *time).collect(),
             position: states.iter().map(|(_, state)| state.position).collect::<Vec<Point>>(),

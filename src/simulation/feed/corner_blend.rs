@@ -55,7 +55,7 @@ use crate::simulation::feed::blend::Blend;
 use crate::simulation::feed::circle_contact::{ArcLeg, contact};
 use crate::simulation::feed::junction;
 use crate::simulation::feed::limits::{self, NORMAL_ACCELERATION_SHARE, TANGENTIAL_ACCELERATION_SHARE};
-use crate::simulation::feed::parabola::{self, CornerSide, SERVO_PERIOD_S};
+use crate::simulation::feed::parabola::{self, CornerSide, LINUXCNC_SERVO_PERIOD_S};
 use crate::simulation::toolpath::{Arc, Curve, Segment, Vector};
 
 /// Largest distance between circle and corner, as a part of the shorter leg.
@@ -95,7 +95,8 @@ pub fn blend(sides: [CornerSide; 2], machine: &Machine, tolerance: f64) -> Blend
     let by_kink = corner.slower() * KINK_SHARE / kink;
     let circle = corner.circle(tolerance);
     let by_circle = circle.map_or(0.0, |circle| circle.fastest);
-    let by_parabola = parabola::performance(sides, machine, tolerance, corner.overridden);
+    let [b1, b2] = parabola::reached_at_override(sides, machine, tolerance, corner.overridden);
+    let by_parabola = 0.25 * corner.half_cosine * (b1 + b2);
     match circle {
         Some(circle) if by_kink <= by_circle && by_parabola <= by_circle => circle,
         _ if by_parabola < by_kink => Blend { taken: KINK_SHARE, ..Blend::none(by_kink) },
@@ -171,7 +172,7 @@ impl<'a> Corner<'a> {
         let axes = self.machine.axes.iter().enumerate();
         let share = axes.map(|(k, axis)| {
             let own = axis.acceleration.min(self.machine.path.acceleration);
-            self.change[k].abs() * (self.slower() / (SERVO_PERIOD_S * own) + 1.0)
+            self.change[k].abs() * (self.slower() / (LINUXCNC_SERVO_PERIOD_S * own) + 1.0)
         });
         let of_arc = (0..2).any(|side| self.arc(side).is_some());
         share.fold(0.0, f64::max) * if of_arc { 2.0 } else { 1.0 }

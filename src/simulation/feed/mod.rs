@@ -65,6 +65,7 @@ mod tolerances;
 
 pub use corner_curve::{CornerCurve, on_curve};
 pub use merged_path::MergedPath;
+pub use parabola::LINUXCNC_SERVO_PERIOD_S;
 pub use pulses::Pulses;
 pub use smoothing::rounding;
 pub use time_scaling::{FilteredTime, Knot, TimeScaling};

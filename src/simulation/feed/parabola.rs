@@ -23,8 +23,8 @@
 //! w = min(a2 T, F2). Along the parabola the speed changes from b1 to w with one acceleration, over the length that takes
 //! the time T.
 //!
-//! LinuxCNC compares a parabola with a circle by C (b1 + b2)/4, with both at the feedrates under the largest override and
-//! at a peak v ≤ √(a L/2), since the other ends of the legs are not planned yet.
+//! LinuxCNC compares the speed C (b1 + b2)/4 of a parabola with that of a circle. It computes b1 and b2 at the largest
+//! override, and with a peak v ≤ √(a L/2), since the other ends of the legs are not planned yet.
 //!
 //! Limits: a leg that holds its feedrate for hardly a servo period may start the next one a period later.
 //!
@@ -38,7 +38,7 @@ use crate::simulation::feed::limits::{self, TANGENTIAL_ACCELERATION_SHARE};
 use crate::simulation::toolpath::{Curve, Segment};
 
 /// Servo period of LinuxCNC, h, s.
-pub const SERVO_PERIOD_S: f64 = 1e-3;
+pub const LINUXCNC_SERVO_PERIOD_S: f64 = 1e-3;
 /// Part of the acceleration of each leg that a parabola uses.
 pub const PARABOLA_SHARE: f64 = 0.5;
 /// Least acceleration along a parabola, as a part of the legs' acceleration.
@@ -80,18 +80,21 @@ pub fn blend(sides: [CornerSide; 2], machine: &Machine, tolerance: f64, lengths:
     overlapped(legs, from, head_start(legs[0], from, machine), tolerance)
 }
 
-/// Returns the speed by which the parabola at a corner is compared with a circle, mm/s; `overridden` are the feedrates
-/// of the legs under the largest override, mm/s.
-pub fn performance(sides: [CornerSide; 2], machine: &Machine, tolerance: f64, overridden: [f64; 2]) -> f64 {
-    let [before, after] = sides.map(|side| side.segment);
-    let half_cosine = 0.5 * (before.tangent(before.length) + after.tangent(0.0)).norm();
+/// Returns b1 and b2 at the largest override, mm/s, at which the legs have the feedrates `overridden` (mm/s): LinuxCNC
+/// compares a parabola and a circle at that override.
+pub fn reached_at_override(
+    sides: [CornerSide; 2],
+    machine: &Machine,
+    tolerance: f64,
+    overridden: [f64; 2],
+) -> [f64; 2] {
     let leg = |side: usize| {
         let segment = sides[side].segment;
         let (acceleration, _) = halved(segment, machine);
         let peak = (0.5 * acceleration * segment.length).sqrt();
         RampedLeg { acceleration, feedrate: overridden[side].min(peak), length: segment.length }
     };
-    0.25 * half_cosine * reached([leg(0), leg(1)], sides, machine, tolerance).iter().sum::<f64>()
+    reached([leg(0), leg(1)], sides, machine, tolerance)
 }
 
 /// Returns a leg of which a parabola takes a part: the leg has half of its acceleration throughout, and an
@@ -133,7 +136,7 @@ fn half_change([before, after]: [CornerSide; 2], machine: &Machine) -> f64 {
     0.5 * ((along * u2 + towards_center).normalize() - u1).norm()
 }
 
-/// Returns e: the time by which the second leg starts before the first one falls below the velocity `from`, s.
+/// Returns e, s: the second leg starts this long before the first one falls below the velocity `from`.
 fn head_start(first: RampedLeg, from: f64, machine: &Machine) -> f64 {
     if from == 0.0 {
         return 0.0;
@@ -141,14 +144,15 @@ fn head_start(first: RampedLeg, from: f64, machine: &Machine) -> f64 {
     let RampedLeg { acceleration, feedrate, length } = first;
     let early = match machine.interpolator.junction {
         Junction::ParabolicBlend => {
-            (length / feedrate + (feedrate - from) / acceleration).rem_euclid(SERVO_PERIOD_S)
+            (length / feedrate + (feedrate - from) / acceleration).rem_euclid(LINUXCNC_SERVO_PERIOD_S)
         }
-        _ => 0.5 * SERVO_PERIOD_S,
+        _ => 0.5 * LINUXCNC_SERVO_PERIOD_S,
     };
     early.min((length / feedrate - feedrate / acceleration).max(0.0))
 }
 
-/// Returns the blend in which the second leg starts by `head_start` (s) before the first brakes from the velocity `from`.
+/// Returns the blend of two legs. The second leg starts `head_start` (s) before the first one brakes from the velocity
+/// `from`.
 fn overlapped([first, second]: [RampedLeg; 2], from: f64, head_start: f64, tolerance: f64) -> Blend {
     let (a1, a2) = (first.acceleration, second.acceleration);
     let lasts = from / a1 + head_start;

@@ -19,9 +19,7 @@ use crate::identification::recording::field::{ChannelField, ChannelLabel, LoopSi
 use crate::identification::recording::formats::columns::{TableColumn, TableRows};
 use crate::identification::recording::unit::SECOND;
 use crate::identification::recording::{ReadingOptions, RecordingError, RecordingRemarks};
-
-/// Usual servo period of LinuxCNC, s.
-pub const LINUXCNC_SERVO_PERIOD_S: f64 = 1e-3;
+use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 
 /// Identifies the columns of `rows`, and adds a time column if there is none.
 pub(in crate::identification::recording) fn named(
