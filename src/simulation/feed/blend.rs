@@ -14,8 +14,8 @@
 //! circle run at the path speed v advances at v/κ along the programmed path, but never faster than the
 //! requested feedrate.
 //!
-//! A line between two circles becomes part of the second circle if the largest speed of that circle would
-//! cover the line in less than four servo periods.
+//! A line before a circle becomes part of the circle if the largest speed of that circle would cover the line in less than
+//! four servo periods, unless the line begins with a parabola (`blendCheckConsume`, `tcCanConsume`).
 //!
 //! A feed move between two blends that takes less than 10 ms at the mean of its first and its last speed is one ramp
 //! between the two, unless a parabola or a stop ends it: it speeds up no further in between (`arcBlendRampFreq`,
@@ -56,8 +56,21 @@ pub struct Blend {
     pub acceleration: f64,
     /// Share of the acceleration of both legs that the turn uses along their whole length.
     pub taken: f64,
-    /// Tolerance (mm) of a parabola, during which both legs run at once, each with half of its acceleration.
-    pub parabola_within: Option<f64>,
+    /// The parabola, if it is one: both legs run at once, each with half of its acceleration.
+    pub parabola: Option<Parabola>,
+}
+
+/// The tolerance of a parabola, and what decides when its second leg starts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Parabola {
+    /// Tolerance, mm.
+    pub tolerance: f64,
+    /// Time for which the first leg holds its feedrate, s.
+    pub holding: f64,
+    /// Time in which the first leg brakes from its feedrate to the velocity below which the second one starts, s.
+    pub braking: f64,
+    /// Time in which the first leg brakes from that velocity to rest, s.
+    pub stopping: f64,
 }
 
 impl Blend {
@@ -71,13 +84,13 @@ impl Blend {
             shortening: 1.0,
             acceleration: f64::INFINITY,
             taken: 0.0,
-            parabola_within: None,
+            parabola: None,
         }
     }
 
     /// Returns `true` if the blend is a parabola.
     pub fn is_parabola(&self) -> bool {
-        self.parabola_within.is_some()
+        self.parabola.is_some()
     }
 
     /// Returns the blend with the command at the corner limited to `feedrate`, mm/s.
@@ -156,8 +169,8 @@ struct ChainSum {
     parabolas: usize,
 }
 
-/// Duration (s) below which a line between two circles becomes part of the second: the time in which the
-/// largest speed of that circle covers the line.
+/// Duration (s) below which a line becomes part of the circle behind it: the time in which the largest speed of that circle
+/// covers the line.
 const MIN_LINE_DURATION_S: f64 = 4e-3;
 
 /// Duration (s) below which a feed move between two blends is one ramp.
@@ -184,7 +197,8 @@ fn pieces(leg: &Leg, first: &Blend, last: &Blend) -> [BlendPiece; 3] {
         may_be_ramp: !leg.is_rapid && !last.is_parabola(),
     };
     let is_circle = !last.is_parabola() && 0.0 < end;
-    if is_circle && leg.is_line && line.length < MIN_LINE_DURATION_S * last.fastest {
+    let may_join = is_circle && leg.is_line && !first.is_parabola();
+    if may_join && line.length < MIN_LINE_DURATION_S * last.fastest {
         line.feedrate = line.feedrate.min(last.feedrate);
         line.acceleration = line.acceleration.min(last.acceleration);
         (line.joins_next, line.may_be_ramp) = (true, false);
@@ -311,7 +325,7 @@ mod tests {
             *corner = Blend {
                 distances: [0.5; 2],
                 acceleration: 0.5,
-                parabola_within: Some(0.1),
+                parabola: Some(Parabola::default()),
                 ..Blend::none(20.0)
             };
         }
@@ -324,6 +338,16 @@ mod tests {
         let (_, seen) = pulses(&legs, &corners, 4.0, 0);
         let fastest = seen.iter().copied().fold(0.0, f64::max);
         assert!((fastest - (2.0f64 * 500.0 * 4.0).sqrt()).abs() < 1e-9, "{fastest}");
+    }
+
+    #[test]
+    fn a_short_line_is_part_of_the_circle_behind_it_unless_it_begins_with_a_parabola() {
+        let leg = Leg { length: 0.3, feedrate: 100.0, acceleration: 500.0, is_line: true, is_rapid: false };
+        let circle = Blend { distances: [0.1; 2], acceleration: 300.0, ..Blend::none(50.0) };
+        let parabola = Blend { parabola: Some(Parabola::default()), ..circle };
+        let of_line = |first: Blend| pieces(&leg, &first, &circle)[1];
+        assert!(of_line(circle).joins_next && !of_line(parabola).joins_next);
+        assert_eq!([circle, parabola].map(|first| of_line(first).acceleration), [300.0, 500.0]);
     }
 
     #[test]

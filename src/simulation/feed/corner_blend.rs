@@ -78,7 +78,7 @@ const MAX_OPPOSITE_ONE_PLUS_COSINE: f64 =
 /// Returns the blend at the corner between two segments with this tolerance (mm).
 pub fn blend(sides: [CornerSide; 2], machine: &Machine, tolerance: f64) -> Blend {
     let corner = Corner::between(sides, machine);
-    let parabola = || parabola::blend(sides, machine, tolerance, sides.map(|side| side.segment.length));
+    let parabola = || parabola::blend(sides, machine, tolerance, sides.map(|side| side.segment.length), 0.0);
     if machine.interpolator.junction == Junction::ParabolicBlend {
         return parabola();
     }
@@ -211,7 +211,7 @@ impl<'a> Corner<'a> {
             shortening: if 0.0 < legs { radius * contact.turn / legs } else { 1.0 },
             acceleration: TANGENTIAL_ACCELERATION_SHARE * whole,
             taken: 0.0,
-            parabola_within: None,
+            parabola: None,
         })
     }
 
@@ -376,11 +376,9 @@ mod tests {
         // A plunge and the arc behind it lie in no plane.
         let toolpath = trace(&read(b"G1 F1200 Z-10\nG3 X20 Y0 I10 J0"), &machine());
         let found = blend_of(&toolpath, &machine(), 0.1, 20.0);
-        // The plunge holds its feedrate, so the arc starts half a servo period early on the mean.
-        let (braked, share) = (found.ends[0] / 250.0, found.distances[0]);
-        let time = braked + 0.5e-3;
+        let (time, share) = (found.ends[0] / 250.0, found.distances[0]);
         assert!(found.is_parabola(), "{found:?}");
-        assert!((share - found.ends[0] * (time - 0.5 * braked)).abs() < 1e-12, "{found:?}");
+        assert!((share - 0.5 * found.ends[0] * time).abs() < 1e-12, "{found:?}");
         assert!((found.distances[1] - 0.5 * found.ends[1] * time).abs() < 1e-9, "{found:?}");
         let both: f64 = found.distances.iter().sum();
         let mean = 0.5 * (found.ends[0] + found.ends[1]);

@@ -13,26 +13,29 @@
 //! (`tcCircleStartAccelUnitVector`). Without circles a leg has half of its acceleration only if a parabola follows it, and
 //! its whole acceleration if the parabola precedes it.
 //!
-//! The second leg starts at the beginning of the servo period h in which the first one falls below b1. If all corners
-//! are parabolas, the first leg started so as well, at rest, and falls below b1 after the time t1 = L1/F1 + (F1 − b1)/a1:
-//! the second leg has the head start e = t1 mod h. In any other motion it is h/2, the mean. The first leg must hold its
-//! feedrate for so long, e ≤ L1/F1 − F1/a1: one that only peaks starts the second leg at the period's beginning or end,
-//! whichever is nearer.
+//! The second leg starts at the beginning of the servo period h in which the first one falls below b1. The last leg that
+//! started at the beginning of a period did so at a full stop or at the parabola before; if the first leg falls below b1
+//! the time t later, the period begins e = t mod h before that. In between, at circles and where legs go straight on, the
+//! planner divides a period. A period counts only if the first leg is slower at its end than at its beginning. A leg that
+//! holds its feedrate for the time d and brakes from it to b1 in the time r is slower if e ≤ r + (d + h)/2. Nor does a period
+//! count in which the leg before the first one still runs: no three legs run at once. Then the second leg starts a period
+//! later, with e − h.
 //!
-//! The parabola lasts T = b1/a1 + e and takes b1 (b1/2a1 + e) of the first leg; the second speeds up by a2 to
-//! w = min(a2 T, F2). Along the parabola the speed changes from b1 to w with one acceleration, over the length that takes
-//! the time T.
+//! The first leg then brakes from b = b1 + a1 min(e, r), after it has held that velocity for c = max(e − r, 0). The parabola
+//! lasts T = b/a1 + c and takes b (b/2a1 + c) of the first leg; the second speeds up by a2 to w = min(a2 T, F2). Along the
+//! parabola the speed changes from b to w with one acceleration, over the length that takes the time T.
 //!
 //! LinuxCNC compares the speed C (b1 + b2)/4 of a parabola with that of a circle. It computes b1 and b2 at the largest
 //! override, and with a peak v ≤ √(a L/2), since the other ends of the legs are not planned yet.
 //!
-//! Limits: a leg that holds its feedrate for hardly a servo period may start the next one a period later.
+//! Limits: in a chain of legs that only peak, nearly all of each leg is overlapped, and a corner is up to 0.3 ms off.
 //!
 //! Source: LinuxCNC 2.9, src/emc/tp/tp.c (tpComputeBlendVelocity, estimateParabolicBlendPerformance, tpUpdateBlend), and
 //! recordings of it.
 
-use crate::machine::{Junction, Machine};
-use crate::simulation::feed::blend::{Blend, Leg};
+use crate::machine::Machine;
+use crate::simulation::feed::Pulse;
+use crate::simulation::feed::blend::{Blend, Leg, Parabola, blended_lengths};
 use crate::simulation::feed::junction;
 use crate::simulation::feed::limits::{self, TANGENTIAL_ACCELERATION_SHARE};
 use crate::simulation::toolpath::{Curve, Segment};
@@ -41,6 +44,8 @@ use crate::simulation::toolpath::{Curve, Segment};
 pub const LINUXCNC_SERVO_PERIOD_S: f64 = 1e-3;
 /// Part of the acceleration of each leg that a parabola uses.
 pub const PARABOLA_SHARE: f64 = 0.5;
+/// Largest rounding of the place where a pulse begins, mm.
+const MAX_ROUNDING_MM: f64 = 1e-9;
 /// Least acceleration along a parabola, as a part of the legs' acceleration.
 const MIN_ACCELERATION_RATIO: f64 = 1e-3;
 
@@ -66,8 +71,15 @@ struct RampedLeg {
     length: f64,
 }
 
-/// Returns the parabola at a corner whose neighbouring blends leave these lengths (mm) of the legs.
-pub fn blend(sides: [CornerSide; 2], machine: &Machine, tolerance: f64, lengths: [f64; 2]) -> Blend {
+/// Returns the parabola at a corner whose neighbouring blends leave these lengths (mm) of the legs, if the
+/// servo period begins `early` (s) before the first leg falls below b1.
+pub fn blend(
+    sides: [CornerSide; 2],
+    machine: &Machine,
+    tolerance: f64,
+    lengths: [f64; 2],
+    early: f64,
+) -> Blend {
     let leg = |side: usize| {
         let CornerSide { segment, feedrate, whole_acceleration } = sides[side];
         let (acceleration, most) =
@@ -77,7 +89,7 @@ pub fn blend(sides: [CornerSide; 2], machine: &Machine, tolerance: f64, lengths:
     };
     let legs = [leg(0), leg(1)];
     let [from, _] = reached(legs, sides, machine, tolerance);
-    overlapped(legs, from, head_start(legs[0], from, machine), tolerance)
+    overlapped(legs, from, early, tolerance)
 }
 
 /// Returns b1 and b2 at the largest override, mm/s, at which the legs have the feedrates `overridden` (mm/s): LinuxCNC
@@ -136,31 +148,67 @@ fn half_change([before, after]: [CornerSide; 2], machine: &Machine) -> f64 {
     0.5 * ((along * u2 + towards_center).normalize() - u1).norm()
 }
 
-/// Returns e, s: the second leg starts this long before the first one falls below the velocity `from`.
-fn head_start(first: RampedLeg, from: f64, machine: &Machine) -> f64 {
-    if from == 0.0 {
-        return 0.0;
-    }
-    let RampedLeg { acceleration, feedrate, length } = first;
-    let early = match machine.interpolator.junction {
-        Junction::ParabolicBlend => {
-            (length / feedrate + (feedrate - from) / acceleration).rem_euclid(LINUXCNC_SERVO_PERIOD_S)
+/// Returns e, s, for each corner of a motion; 0 where there is no parabola. `pulses` and `speeds` (mm/s, at the corners) are
+/// those of parabolas with e = 0; `first` is the index of the first leg in the toolpath, and `length` returns the length of
+/// a leg, mm.
+pub fn times_in_period(
+    blends: &[Blend],
+    pulses: &[Pulse],
+    speeds: &[f64],
+    first: usize,
+    length: impl Fn(usize) -> f64,
+) -> Vec<f64> {
+    let mut pulses = pulses.iter().peekable();
+    let mut time = 0.0;
+    // When a leg last started at the beginning of a period, and how long the leg before it still ran.
+    let (mut started, mut still_ran) = (0.0, 0.0);
+    let mut in_period = vec![0.0; blends.len()];
+    for corner in 1..blends.len() - 1 {
+        let leg = corner - 1;
+        let [_, end] = blended_lengths(length(leg), &blends[leg], &blends[corner]);
+        let (begin, mut begins) = (length(leg) - end, None);
+        while let Some(pulse) = pulses.next_if(|pulse| (pulse.segment as usize) < first + corner) {
+            if begin <= pulse.offset + MAX_ROUNDING_MM {
+                begins.get_or_insert(time);
+            }
+            time += pulse.duration;
         }
-        _ => 0.5 * LINUXCNC_SERVO_PERIOD_S,
-    };
-    early.min((length / feedrate - feedrate / acceleration).max(0.0))
+        if let Some(Parabola { holding, braking, stopping, .. }) = blends[corner].parabola {
+            let falls_below = begins.unwrap_or(time);
+            let lasted = falls_below - started;
+            let early = lasted.rem_euclid(LINUXCNC_SERVO_PERIOD_S);
+            let is_faster_at_its_end = braking + 0.5 * (holding + LINUXCNC_SERVO_PERIOD_S) < early;
+            let would_be_third = lasted - early < still_ran;
+            let counts = !is_faster_at_its_end && !would_be_third;
+            in_period[corner] = if counts { early } else { early - LINUXCNC_SERVO_PERIOD_S };
+            (started, still_ran) = (falls_below, stopping + in_period[corner]);
+        } else if speeds[leg] == 0.0 {
+            (started, still_ran) = (time, 0.0);
+        }
+    }
+    in_period
 }
 
-/// Returns the blend of two legs. The second leg starts `head_start` (s) before the first one brakes from the velocity
-/// `from`.
-fn overlapped([first, second]: [RampedLeg; 2], from: f64, head_start: f64, tolerance: f64) -> Blend {
+/// Returns the blend of two legs. The second leg starts `early` (s) before the first one falls below the velocity `below`
+/// (mm/s).
+fn overlapped([first, second]: [RampedLeg; 2], below: f64, early: f64, tolerance: f64) -> Blend {
     let (a1, a2) = (first.acceleration, second.acceleration);
-    let lasts = from / a1 + head_start;
+    let parabola = Parabola {
+        tolerance,
+        holding: (first.length / first.feedrate - first.feedrate / a1).max(0.0),
+        braking: (first.feedrate - below) / a1,
+        stopping: below / a1,
+    };
+    if below == 0.0 {
+        return Blend { parabola: Some(parabola), ..Blend::none(0.0) };
+    }
+    let from = (below + a1 * early.min(parabola.braking)).max(0.0);
+    let lasts = from / a1 + (early - parabola.braking).max(0.0);
     let end = (a2 * lasts).min(second.feedrate);
     let distances = [from * (lasts - 0.5 * from / a1), 0.5 * end * (2.0 * lasts - end / a2)];
     let both = distances[0] + distances[1];
     if both == 0.0 {
-        return Blend { parabola_within: Some(tolerance), ..Blend::none(0.0) };
+        return Blend { parabola: Some(parabola), ..Blend::none(0.0) };
     }
     let square = from * from + (end * end - from * from) * distances[0] / both;
     // A second leg that comes to its feedrate while the first still brakes makes both together faster than either.
@@ -175,6 +223,6 @@ fn overlapped([first, second]: [RampedLeg; 2], from: f64, head_start: f64, toler
         acceleration: (0.5 * (end * end - from * from).abs() / (shortening * both))
             .max(MIN_ACCELERATION_RATIO * a1.min(a2)),
         taken: 0.0,
-        parabola_within: Some(tolerance),
+        parabola: Some(parabola),
     }
 }

@@ -18,7 +18,7 @@ use std::iter::repeat_n;
 use std::ops::Range;
 
 use crate::machine::{CornerPlanning, Junction, Machine, TimeConstants};
-use crate::simulation::feed::blend::{self, Blend, Leg};
+use crate::simulation::feed::blend::{self, Blend, Leg, Parabola};
 use crate::simulation::feed::block::{self, BlockEnd, BlockPart};
 use crate::simulation::feed::corner::CornerLaw;
 use crate::simulation::feed::corner_blend;
@@ -88,8 +88,7 @@ pub(super) fn add_rest_to_rest(
     let mut stops = Vec::new();
     if is_blended {
         blends.push(Blend::none(0.0));
-        planner.lay_parabolas(feedrates, &mut blends);
-        let (blended, at_corners) = planner.blended(feedrates, &blends);
+        let (blended, at_corners) = planner.blended_with_parabolas(feedrates, &mut blends);
         pulses.extend(blended);
         corner_curves.extend(planner.curves(&blends));
         corner_feedrates.truncate(first_corner);
@@ -406,12 +405,26 @@ impl MotionPlanner<'_> {
         axes.map(|(k, axis)| axis.jerk / (change[k].abs() * slope)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Computes the parabolas on the parts of their legs that the circles at the other ends leave.
-    fn lay_parabolas(&self, feedrates: &[f64], blends: &mut [Blend]) {
+    /// Lays the parabolas, and returns the pulses and the command at each corner, mm/s, if junctions are blends.
+    fn blended_with_parabolas(&self, feedrates: &[f64], blends: &mut [Blend]) -> (Vec<Pulse>, Vec<f64>) {
+        if !blends.iter().any(Blend::is_parabola) {
+            return self.blended(feedrates, blends);
+        }
+        self.lay_parabolas(feedrates, blends, &vec![0.0; blends.len()]);
+        let (pulses, speeds) = self.blended(feedrates, blends);
+        let length = |leg: usize| self.length(leg);
+        let early = parabola::times_in_period(blends, &pulses, &speeds, self.range.start, length);
+        self.lay_parabolas(feedrates, blends, &early);
+        self.blended(feedrates, blends)
+    }
+
+    /// Computes the parabolas on the parts of their legs that the circles at the other ends leave. A servo period begins the
+    /// time `early` (s) before the first leg of each falls below b1.
+    fn lay_parabolas(&self, feedrates: &[f64], blends: &mut [Blend], early: &[f64]) {
         let taken =
             |blend: &Blend, side: usize| if blend.is_parabola() { 0.0 } else { blend.distances[side] };
         for i in 1..blends.len() - 1 {
-            let Some(tolerance) = blends[i].parabola_within else { continue };
+            let Some(Parabola { tolerance, .. }) = blends[i].parabola else { continue };
             let lengths =
                 [self.length(i - 1) - taken(&blends[i - 1], 1), self.length(i) - taken(&blends[i + 1], 0)];
             let segments = [self.segment(i - 1), self.segment(i)];
@@ -422,7 +435,7 @@ impl MotionPlanner<'_> {
                     (!self.shares(i - 1 + at, blends)).then(|| self.segment_limits.accelerations[i - 1 + at])
                 }),
             };
-            blends[i] = parabola::blend([side(0), side(1)], self.machine, tolerance, lengths);
+            blends[i] = parabola::blend([side(0), side(1)], self.machine, tolerance, lengths, early[i]);
         }
     }
 
