@@ -220,3 +220,21 @@ fn a_calibration_finds_the_planner_and_predicts_other_programs() {
         assert_eq!(diagnosis.verdict, Verdict::NothingMissing, "{}: {:?}", control.folder, diagnosis.causes);
     }
 }
+
+/// Klipper holds a velocity in each rapid for the part of it that the minimum cruise ratio asks for, so a held velocity is
+/// not the rapid rate in the one program whose rapids are all short.
+#[test]
+fn rapids_that_a_minimum_cruise_ratio_holds_back_do_not_show_their_rate() {
+    let generic = machine_from_toml(GENERIC).expect("a machine file");
+    let runs = clean_runs(&CONTROLS[1]);
+    let (toolpath, recording, file) = &runs[1];
+    assert!(file.ends_with("run-04.csv"));
+    let alignment = align(recording, toolpath, &generic).expect("it is of that program");
+    let run = [Run { toolpath, alignment: &alignment, overrides: (None, None) }];
+    let machine = calibrate(&generic, &run, &mut |_| {}).machine;
+    assert_eq!(machine.calibrated_on.assumed_rapids, [true; 3]);
+    for (other, _, file) in &runs {
+        let error = simulate(other, &machine).cycle_time() / motion_time(file) - 1.0;
+        assert!(error.abs() < ELSEWHERE, "{}: {error}", file.display());
+    }
+}

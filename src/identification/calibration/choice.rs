@@ -87,6 +87,7 @@ impl<'a> Fitting<'a> {
         self.try_assumed_accelerations(&mut model);
         self.try_steps_at_corners(&mut model);
         self.drop_idle_limits(&mut model);
+        self.drop_idle_path_rate(&mut model);
         (model, orders)
     }
 
@@ -113,6 +114,23 @@ impl<'a> Fitting<'a> {
             if without - with < MIN_EXPLAINED_SHARE {
                 model.best = best;
             }
+        }
+    }
+
+    /// Gives the rapids of a planner with a minimum cruise ratio the rate of the machine file if the runs do not contradict
+    /// that: such a planner also holds the velocity of rapids that are too short for their rate.
+    fn drop_idle_path_rate(&mut self, model: &mut Model) {
+        let has_cruise_ratio = 0.0 < model.best.machine.interpolator.minimum_cruise_ratio;
+        let held = self.plateaus.filter(|seen| has_cruise_ratio && seen.path.is_some());
+        let Some(seen) = held else { return };
+        let without = RapidPlateaus { path: None, ..seen };
+        self.plateaus = Some(without);
+        let start = without.limited_along_path(&model.best.machine, self.machine);
+        let best = self.fit(&start, model.order, &model.whitenings, FTOL);
+        if best.cost < model.best.cost + MIN_CONTRADICTING_COST {
+            model.best = best;
+        } else {
+            self.plateaus = held;
         }
     }
 
