@@ -6,7 +6,7 @@ use std::fmt::Write;
 use truefeed::identification::diagnosis::{Diagnosis, Verdict, diagnose};
 use truefeed::identification::fit::AlignedRun;
 use truefeed::identification::probe::{Probe, ProbeError, SNIPPET_SPACE_MM, probe_all, probe_between};
-use truefeed::machine::{Machine, parameter};
+use truefeed::machine::{Machine, Planner, parameter};
 use truefeed::project::machine_from_toml;
 use truefeed::simulation::drive::actual_motion;
 use truefeed::simulation::gcode::{Severity, read};
@@ -171,6 +171,23 @@ fn any_machine_gives_a_program_within_its_limits() {
         let probe = probe_all(&machine);
         holds_the_laws(&machine, &probe);
         assert_eq!(probe, probe_all(&machine), "the same every time");
+    }
+}
+
+/// How widely LinuxCNC blends a corner depends on the override that it plans for, unless a block is too short for that.
+#[test]
+fn the_whole_program_shows_the_override_that_corners_are_planned_for() {
+    let preset = machine("");
+    let toolpath = trace(&read(probe_all(&preset).program.as_bytes()), &preset);
+    for acceleration in [250.0, 700.0, 2000.0] {
+        let mut planner = preset.clone();
+        planner.become_planner(Planner::AccelerationBlend, acceleration);
+        let [usual, larger, largest] = [1.2, 1.5, 2.0].map(|max_override| {
+            planner.interpolator.max_override = max_override;
+            simulate(&toolpath, &planner).cycle_time()
+        });
+        // A fit takes no difference below 15 ms for certain.
+        assert!(larger + 0.015 < usual && largest + 0.015 < larger, "{usual} {larger} {largest} s");
     }
 }
 

@@ -70,6 +70,7 @@ pub fn record(order: &Order, folder: &Path) -> Result<(), Refusal> {
     })?;
     let planned = changes_drawn(order, &parts);
     let done: Mutex<Vec<(usize, Value)>> = Mutex::new(Vec::new());
+    write_answers(order, folder, &parts, &planned, &[])?;
     side_by_side(order.jobs, planned.len(), |number| {
         let (part, slot, kind) = planned[number];
         let answer = change(order, folder, &parts[part], slot, &KINDS[kind])?;

@@ -53,6 +53,9 @@ pub struct CalibratedOn {
     /// Accelerations that X, Y and Z have at least, mm/s², 0 for an axis whose acceleration was not assumed: with lower
     /// ones the runs would have been slower. `None` if no acceleration was assumed.
     pub least_accelerations: Option<[f64; 3]>,
+    /// Largest override for which the control may plan its corners as far as the runs show; `None` if they determine that
+    /// override, or if the control does not plan corners for one.
+    pub largest_override: Option<f64>,
     /// `true` for each of the axes X, Y, Z that the runs do not show at its full rapid feedrate.
     pub assumed_rapids: [bool; 3],
     /// M-words that stop the motion in the programs, 3 and 5 for any word that starts or stops the spindle, and 30 for

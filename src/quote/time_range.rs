@@ -4,8 +4,8 @@
 //! half of the range = r + Σ U · (time of what the calibration did not show / time of the motion)
 //! ```
 //!
-//! r is the error on programs left out of the calibration, from the machine file; U is [`UNSHOWN_ERROR`] or
-//! [`UNSHOWN_FEED_ERROR`]. Features that the calibrating programs did not show are corners that turn more,
+//! r is the error on other programs within the features shown, from the machine file; U is r times
+//! [`UNSHOWN_RATIO`] or [`UNSHOWN_FEED_RATIO`]. Features that the calibrating programs did not show are corners that turn more,
 //! arcs and blocks of other size, faster feeds, and faster rapids of an axis. The time of a feature is length
 //! over feedrate, around a corner at most [`CORNER_REACH_S`] of it.
 //!
@@ -16,6 +16,10 @@
 //!
 //! If no calibrating program contains an M-word, its time comes from the machine file before the calibration. The true
 //! time may be between nothing and twice as much: U = 1, and both times of the fraction include the time of the word.
+//!
+//! If the runs do not show for which override the control plans its corners, the largest one that they allow may make the
+//! corners of a program faster; and an acceleration that the calibration assumed may be [`ASSUMED_ACCELERATION_RATIO`]
+//! times as high, or as low as the runs allow. Then the differences between these cycle times add to the range.
 //!
 //! A feed is faster if it moves an axis faster than any move of the runs, feed or rapid: if the runs recorded
 //! positions, an axis can cut as fast as it moved in rapid. A rapid is faster if an axis whose full rapid
@@ -33,13 +37,17 @@ use crate::machine::{CalibratedOn, Extent, Machine};
 use crate::simulation::feed::limits::{acceleration, largest_share, requested_feedrate};
 use crate::simulation::feed::stop_time;
 use crate::simulation::ordered::sort_by_number;
+use crate::simulation::simulate;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Stop, Toolpath};
 
-/// Additional relative error of the time of features that were not shown. Faster feeds have longer ramps,
-/// whose acceleration slow feeds hardly show. The parameters of the other laws remain valid beyond the
-/// features shown if the calibration found the family of the control (docs/diagnosis.md has the errors).
-const UNSHOWN_FEED_ERROR: f64 = 0.2;
-const UNSHOWN_ERROR: f64 = 0.05;
+/// Ratio of the additional error of features that were not shown to that of others. Faster feeds have longer ramps, whose
+/// acceleration slow feeds hardly show. The parameters of the other laws remain valid beyond the features shown if the
+/// calibration found the family of the control (docs/diagnosis.md has the errors).
+const UNSHOWN_FEED_RATIO: f64 = 10.0;
+const UNSHOWN_RATIO: f64 = 2.5;
+/// Ratio of an assumed acceleration to the true one, or of the true one to it, that nine in ten do not exceed: of 13 that
+/// calibrations of LinuxCNC assumed, twelve are within 1.15, and one is 1.3 times too high.
+const ASSUMED_ACCELERATION_RATIO: f64 = 1.25;
 /// Time on either side of a corner that the corner affects, s.
 const CORNER_REACH_S: f64 = 0.1;
 /// Least turn of a corner, rad.
@@ -69,6 +77,10 @@ pub enum UnshownFeature {
     Blocks,
     /// Faster feeds.
     Feeds,
+    /// Corners planned for a larger override.
+    Overrides,
+    /// Accelerations that the calibration assumed.
+    Accelerations,
     /// Faster rapids.
     Rapids,
     /// M-words.
@@ -77,18 +89,21 @@ pub enum UnshownFeature {
 
 impl UnshownFeature {
     /// All features.
-    pub const ALL: [UnshownFeature; 6] = [
+    pub const ALL: [UnshownFeature; 8] = [
         UnshownFeature::Corners,
         UnshownFeature::Arcs,
         UnshownFeature::Blocks,
         UnshownFeature::Feeds,
+        UnshownFeature::Overrides,
+        UnshownFeature::Accelerations,
         UnshownFeature::Rapids,
         UnshownFeature::MWords,
     ];
 
-    /// Returns the additional error of the time of the feature, as a part of that time.
-    fn error_ratio(self) -> f64 {
-        if self == UnshownFeature::Feeds { UNSHOWN_FEED_ERROR } else { UNSHOWN_ERROR }
+    /// Returns the additional error of the time of the feature, as a part of that time; `shown` is that of features shown.
+    fn error(self, shown: f64) -> f64 {
+        let ratio = if self == UnshownFeature::Feeds { UNSHOWN_FEED_RATIO } else { UNSHOWN_RATIO };
+        (ratio * shown).min(MAX_UNSHOWN_ERROR)
     }
 
     /// Returns the words for people.
@@ -98,6 +113,8 @@ impl UnshownFeature {
             UnshownFeature::Arcs => "arcs of other radii",
             UnshownFeature::Blocks => "shorter blocks",
             UnshownFeature::Feeds => "faster feeds",
+            UnshownFeature::Overrides => "corners that the control may plan for a larger override",
+            UnshownFeature::Accelerations => "ramps at accelerations that the calibration had to assume",
             UnshownFeature::Rapids => "faster rapids",
             UnshownFeature::MWords => "M words such as a tool change",
         }
@@ -272,9 +289,43 @@ fn unshown_corners(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts
             let loss = 0.5 * ends * stopping_loss(&toolpath.segments.at(segment), machine);
             (loss / lasts_at_corners).min(MAX_UNSHOWN_ERROR)
         }
-        _ => UNSHOWN_ERROR,
+        _ => UnshownFeature::Corners.error(machine.calibrated_on.range.unwrap_or(0.0)),
     };
     Unshown { feature: UnshownFeature::Corners, lasts: lasts_at_corners, error }
+}
+
+/// Returns the times by which a program differs if values that the runs do not show are others that they allow.
+fn with_assumed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshown> {
+    let on = &machine.calibrated_on;
+    let planned_for = |max_override: f64| {
+        let mut other = machine.clone();
+        other.interpolator.max_override = max_override;
+        other
+    };
+    let accelerating = |ratio: f64| {
+        let least = on.least_accelerations.unwrap_or_default();
+        let mut other = machine.clone();
+        for ((axis, least), _) in
+            other.axes.iter_mut().zip(least).zip(on.assumed_accelerations).filter(|(_, assumed)| *assumed)
+        {
+            axis.acceleration = (ratio * axis.acceleration).max(least);
+        }
+        other
+    };
+    let overrides = on.largest_override.map(planned_for).into_iter().collect();
+    let accelerations = match on.assumed_accelerations.contains(&true) {
+        true => [1.0 / ASSUMED_ACCELERATION_RATIO, ASSUMED_ACCELERATION_RATIO].map(accelerating).to_vec(),
+        false => Vec::new(),
+    };
+    let time = |machine: &Machine| simulate(toolpath, machine).cycle_time();
+    let allowed: [(_, Vec<Machine>); 2] =
+        [(UnshownFeature::Overrides, overrides), (UnshownFeature::Accelerations, accelerations)];
+    let of = |(feature, others): (UnshownFeature, Vec<Machine>)| {
+        let own = (!others.is_empty()).then(|| time(machine))?;
+        let lasts = others.iter().map(|other| (time(other) - own).abs()).fold(0.0, f64::max);
+        Some(Unshown { feature, lasts, error: 1.0 })
+    };
+    allowed.into_iter().filter_map(of).collect()
 }
 
 /// Returns the time by which a segment takes longer from rest to rest than at its feedrate, s.
@@ -297,7 +348,7 @@ fn unshown(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts: f64) -
         && on
             .velocities
             .is_some_and(|shown| !has_faster_axis(&toolpath.segments.at(segment), machine, shown));
-    (!is_shown_by_velocity).then(|| Unshown { feature, lasts, error: feature.error_ratio() })
+    (!is_shown_by_velocity).then(|| Unshown { feature, lasts, error: feature.error(on.range.unwrap_or(0.0)) })
 }
 
 /// Returns a feature of a segment that the runs did not show; `None` if they showed all of them.
@@ -373,6 +424,7 @@ fn of_motion(toolpath: &Toolpath, machine: &Machine) -> Option<UnshownTimes> {
         found.whole += lasts.max(unshown.lasts);
         found.add(unshown);
     }
+    with_assumed_values(toolpath, machine).into_iter().for_each(|unshown| found.add(unshown));
     Some(found)
 }
 
@@ -394,12 +446,33 @@ pub fn range(toolpath: &Toolpath, machine: &Machine) -> Option<TimeRange> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::Planner;
     use crate::simulation::gcode::read;
     use crate::simulation::interpreter::trace;
-    use crate::simulation::simulate;
 
     fn path(program: &str) -> Toolpath {
         trace(&read(program.as_bytes()), &Machine::default())
+    }
+
+    #[test]
+    fn the_range_reaches_to_corners_that_are_planned_for_the_largest_override_that_runs_allow() {
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::AccelerationBlend, 400.0);
+        machine.interpolator.max_override = 1.2;
+        let corners = path("G21 G90\nG1 X40 F1500\nY40\nX80\nY80\n");
+        let known = CalibratedOn { range: Some(0.02), ..features_of([&corners]) };
+        let unknown = CalibratedOn { largest_override: Some(2.0), ..known.clone() };
+        let [known, unknown] = [known, unknown].map(|calibrated_on| {
+            range(&corners, &Machine { calibrated_on, ..machine.clone() }).expect("calibrated")
+        });
+        assert_eq!(known.ratio, 0.02);
+        assert_eq!(unknown.unshown[0].0, UnshownFeature::Overrides);
+        let time = |machine: &Machine| simulate(&corners, machine).cycle_time();
+        let usual = time(&machine);
+        machine.interpolator.max_override = 2.0;
+        let programmed = 160.0 / 25.0;
+        assert!((0.02 + (usual - time(&machine)) / programmed - unknown.ratio).abs() < 1e-9, "{unknown:?}");
+        assert!(0.03 < unknown.ratio, "{unknown:?}");
     }
 
     #[test]

@@ -157,6 +157,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let (judgement, alike) = alike::alike(judgement, &mut fit);
     let untold = untold::untold(&judgement, alike, runs, &whitenings, &mut fit);
     let least_accelerations = untold::least(&judgement.last, untold, runs, &whitenings);
+    let largest_override = untold::largest_override(&judgement.last, runs, &whitenings);
     let kept: Vec<(FreeParameter, f64)> = judgement.fitted().cloned().collect();
     let Judgement { all, believed, verdicts, deviations, mut last } = judgement;
     let assumed_rapids = rapids::assumed(&last.machine, fitting.plateaus);
@@ -187,6 +188,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     rapids::limit_feed_as_rapids(&mut last.machine, fitting.plateaus);
     last.machine.calibrated_on.assumed_accelerations = untold;
     last.machine.calibrated_on.least_accelerations = least_accelerations;
+    last.machine.calibrated_on.largest_override = largest_override;
     last.machine.calibrated_on.assumed_rapids = assumed_rapids;
     let after = compared(&last.machine, runs);
     let programmed = Tolerances::Programmed;

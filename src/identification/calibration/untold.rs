@@ -11,7 +11,7 @@ use crate::identification::calibration::alike::AlikeAxes;
 use crate::identification::calibration::judgement::Judgement;
 use crate::identification::calibration::motion::axis_of;
 use crate::identification::calibration::{MIN_CONTRADICTING_COST, ParameterVerdict, largest_shift};
-use crate::identification::effects::parameters::AXIS_ACCELERATION;
+use crate::identification::effects::parameters::{AXIS_ACCELERATION, MAX_OVERRIDE};
 use crate::identification::fit::{Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::Machine;
 
@@ -98,6 +98,21 @@ pub fn least(last: &Fit, untold: [bool; 3], runs: &[Run], whitenings: &[Whitenin
     untold.contains(&true).then(|| [0, 1, 2].map(of_axis))
 }
 
+/// Returns the largest override for which the control may plan its corners as far as the runs show; `None` if they
+/// determine that override, or if the control does not blend corners in time.
+pub fn largest_override(last: &Fit, runs: &[Run], whitenings: &[Whitening]) -> Option<f64> {
+    let interpolator = &last.machine.interpolator;
+    let is_allowed = |other: &&Machine| {
+        interpolator.max_override < other.interpolator.max_override
+            && cost_of(other, runs, whitenings) < last.cost + MIN_CONTRADICTING_COST
+    };
+    let others = match interpolator.junction.blends_in_time() {
+        true => MAX_OVERRIDE.guesses_on(&last.machine),
+        false => Vec::new(),
+    };
+    others.iter().filter(is_allowed).map(|other| other.interpolator.max_override).reduce(f64::max)
+}
+
 /// Returns `true` if the runs cannot distinguish a machine with this cost from that of the last fit.
 fn is_unseen(machine: &Machine, cost: f64, last: &Fit, runs: &[Run]) -> bool {
     cost < last.cost + MIN_CONTRADICTING_COST || largest_shift([&last.machine, machine], runs) < MIN_MOVED_S
@@ -109,17 +124,19 @@ mod tests {
 
     use super::*;
     use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
-    use crate::machine::Junction;
+    use crate::machine::{FREE_BLEND_MM, Junction};
     use crate::simulation::gcode::read;
     use crate::simulation::interpreter::trace;
     use crate::simulation::simulate;
 
-    /// Calls `test` with legs along X and Y and with a fit that has the machine that ran them.
-    fn on_legs(test: impl FnOnce(Fit, &[Run], &[Whitening])) {
+    /// Calls `test` with legs along X and Y that are blended within a tolerance, mm, and with a fit that has the machine that
+    /// ran them.
+    fn on_blended_legs(tolerance: f64, test: impl FnOnce(Fit, &[Run], &[Whitening])) {
         let mut machine = Machine::default();
         machine.interpolator.junction = Junction::AccelerationBlend;
+        machine.interpolator.contour_tolerance = tolerance;
         machine.axes.iter_mut().for_each(|axis| axis.acceleration = 500.0);
-        let toolpath = trace(&read(b"G1 X100 F6000\nY100\nX0\nY0"), &machine);
+        let toolpath = trace(&read(b"G1 X100 F3000\nY100\nX0\nY0"), &machine);
         let ends = toolpath.ends().map(ProgramPlace::Along).collect();
         let marks = simulated_marks(&toolpath, &simulate(&toolpath, &machine), ends, 1e-3);
         let alignment = Alignment::of_marks(Method::Lines, 0.0..10.0, marks, 400.0);
@@ -135,6 +152,25 @@ mod tests {
             converged: true,
         };
         test(last, &runs, &whitenings);
+    }
+
+    fn on_legs(test: impl FnOnce(Fit, &[Run], &[Whitening])) {
+        on_blended_legs(0.01, test);
+    }
+
+    /// A tolerance keeps the corners as small as they are without any override.
+    #[test]
+    fn corners_within_a_tolerance_do_not_show_the_override_that_they_are_planned_for() {
+        let largest = |last: Fit, runs: &[Run], whitenings: &[Whitening]| {
+            assert_eq!(last.machine.interpolator.max_override, 1.0);
+            largest_override(&last, runs, whitenings)
+        };
+        on_blended_legs(0.01, |last, runs, whitenings| {
+            assert_eq!(largest(last, runs, whitenings), Some(2.0))
+        });
+        on_blended_legs(FREE_BLEND_MM, |last, runs, whitenings| {
+            assert_eq!(largest(last, runs, whitenings), None)
+        });
     }
 
     /// Both axes hold the run back, but the runs hardly determine the value of Y.

@@ -8,8 +8,8 @@
 //! slow for it, such as the centripetal acceleration on its arcs. The limit is raised to the velocity that the axis
 //! holds.
 //!
-//! The feed override that LinuxCNC plans for decides at which tangents it stops in exact path mode (G61). Blended corners
-//! do not show this override; a program in exact path mode does.
+//! The feed override that LinuxCNC plans for decides how widely it blends corners that no tolerance limits, and at which
+//! tangents it stops in exact path mode (G61). Other corners do not show this override.
 //!
 //! Limits: a change of an assumed value after the calibration cannot be seen, nor a limit that was raised.
 
@@ -32,7 +32,8 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
     let waits = assumed_waits(machine, runs);
     waits.iter().for_each(|wait| wait.apply(&mut raised, wait.start));
     let is_exact_path = |run: &Run| run.toolpath.segments.iter().any(|segment| segment.exact_path);
-    let shows_override = machine.interpolator.junction.blends_in_time() && runs.iter().any(is_exact_path);
+    let shows_override = machine.calibrated_on.largest_override.is_some()
+        || machine.interpolator.junction.blends_in_time() && runs.iter().any(is_exact_path);
     let count = assumed(machine).len() + exceeded + waits.len() + usize::from(shows_override);
     if count == 0 {
         return None;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | star of directions at a ladder of feedrates | axis from path limits; families of ramps by T(Δv) |
 //! | corners of many angles, also turned by 45° | tolerance, junction rules, constants of the filters |
+//! | corners so slow that no block limits their blends | the override that a control plans them for |
 //! | circles of several radii, both ways | centripetal limits, lag, play |
 //! | chains of collinear blocks of 0.1 to 1.6 mm | block time (v ∝ L) from look-ahead (v ∝ √L) |
 //! | zigzags, one curve at several chord errors | look-ahead, smoothing, minimum feeds |
@@ -117,6 +118,7 @@ pub fn bank(machine: &Machine) -> Vec<Snippet> {
             }
         }
     }
+    bank.push(corners(&[60.0, 90.0, 120.0], 0.0, 0.1 * top, size));
     for radius in [1.0, 3.0, 8.0, 20.0] {
         bank.push(circles(radius, 0.3 * top, size));
         bank.push(circles(radius, top, size));

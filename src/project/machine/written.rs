@@ -5,7 +5,7 @@ use crate::project::TextFault;
 use crate::units::Unit;
 
 /// Keys of a machine's calibration: its errors and programs.
-pub const CALIBRATION_KEYS: [&str; 17] = [
+pub const CALIBRATION_KEYS: [&str; 18] = [
     "calibration.cycle_time_error_percent",
     "calibration.unexplained_percent",
     "calibration.form_error_mm",
@@ -20,6 +20,7 @@ pub const CALIBRATION_KEYS: [&str; 17] = [
     "calibration.travels_mm",
     "calibration.assumed_accelerations",
     "calibration.least_accelerations_mm_s2",
+    "calibration.largest_override_percent",
     "calibration.assumed_rapids",
     "calibration.m_codes",
     "calibration.tolerances_mm",
