@@ -1,6 +1,7 @@
 //! Halts that a recording shows and the machine believed in does not have are found again.
 
 use std::fmt::Write;
+use std::ops::Range;
 
 use truefeed::identification::alignment::{Alignment, align};
 use truefeed::identification::diagnosis::{Diagnosis, Verdict, diagnose, feed_holds};
@@ -228,6 +229,24 @@ fn a_recorder_that_runs_before_the_machine_does_shows_no_hold() {
         feed_holds(&Machine::default(), &runs, f64::NEG_INFINITY).len()
     });
     assert_eq!(holds, 0);
+}
+
+/// A wait of the first feed move for the spindle is no hold, even if the samples on both sides of it are farther apart than
+/// a rest is long: the machine may stand anywhere between them.
+#[test]
+fn a_wait_for_the_spindle_between_two_distant_samples_is_no_feed_hold() {
+    let program = "G21 G90 S6000 M3\nG0 X20\nG1 X60 F1200\nY40\n";
+    let holds = |halted: &Machine, unseen: Range<f64>| {
+        aligned_on(program, halted, |toolpath, mut alignment| {
+            alignment.fixes.retain(|fix| !unseen.contains(&fix.distance));
+            let runs = [Run { toolpath, alignment: &alignment, overrides: (None, None) }];
+            feed_holds(&Machine::default(), &runs, f64::NEG_INFINITY).len()
+        })
+    };
+    let mut waiting = Machine::default();
+    waiting.halts.waits = [(3, 0.9)].into();
+    assert_eq!(holds(&waiting, 19.99..20.2), 0);
+    assert_eq!(holds(&held(&[(3, 0.9, 0.5)]), 39.9..40.1), 1);
 }
 
 #[test]
