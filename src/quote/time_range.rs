@@ -42,7 +42,8 @@ use crate::simulation::toolpath::{Curve, Motion, Segment, Stop, Toolpath};
 
 /// Ratio of the additional error of features that were not shown to that of others. Faster feeds have longer ramps, whose
 /// acceleration slow feeds hardly show. The parameters of the other laws remain valid beyond the features shown if the
-/// calibration found the family of the control (docs/diagnosis.md has the errors).
+/// calibration found the family of the control. Set on the two mills of docs/diagnosis.md: beyond r, their errors are up to
+/// 10 r of the time at faster feeds.
 const UNSHOWN_FEED_RATIO: f64 = 10.0;
 const UNSHOWN_RATIO: f64 = 2.5;
 /// Ratio of an assumed acceleration to the true one, or of the true one to it, that nine in ten do not exceed: of 13 that
@@ -317,15 +318,18 @@ fn with_assumed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshown> {
         true => [1.0 / ASSUMED_ACCELERATION_RATIO, ASSUMED_ACCELERATION_RATIO].map(accelerating).to_vec(),
         false => Vec::new(),
     };
+    let mut allowed: Vec<(UnshownFeature, Vec<Machine>)> =
+        vec![(UnshownFeature::Overrides, overrides), (UnshownFeature::Accelerations, accelerations)];
+    allowed.retain(|(_, others)| !others.is_empty());
+    if allowed.is_empty() {
+        return Vec::new();
+    }
     let time = |machine: &Machine| simulate(toolpath, machine).cycle_time();
-    let allowed: [(_, Vec<Machine>); 2] =
-        [(UnshownFeature::Overrides, overrides), (UnshownFeature::Accelerations, accelerations)];
-    let of = |(feature, others): (UnshownFeature, Vec<Machine>)| {
-        let own = (!others.is_empty()).then(|| time(machine))?;
-        let lasts = others.iter().map(|other| (time(other) - own).abs()).fold(0.0, f64::max);
-        Some(Unshown { feature, lasts, error: 1.0 })
-    };
-    allowed.into_iter().filter_map(of).collect()
+    let own = time(machine);
+    let largest =
+        |others: Vec<Machine>| others.iter().map(|other| (time(other) - own).abs()).fold(0.0, f64::max);
+    let unshown = |(feature, others)| Unshown { feature, lasts: largest(others), error: 1.0 };
+    allowed.into_iter().map(unshown).collect()
 }
 
 /// Returns the time by which a segment takes longer from rest to rest than at its feedrate, s.
@@ -473,6 +477,29 @@ mod tests {
         let programmed = 160.0 / 25.0;
         assert!((0.02 + (usual - time(&machine)) / programmed - unknown.ratio).abs() < 1e-9, "{unknown:?}");
         assert!(0.03 < unknown.ratio, "{unknown:?}");
+    }
+
+    #[test]
+    fn the_range_reaches_to_other_accelerations_if_one_was_assumed() {
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::JunctionDeviation, 400.0);
+        let legs = path("G21 G90\nG1 X40 F3000\nX0\nX40\nX0\n");
+        let ratio_with = |assumed: [bool; 3], least: [f64; 3]| {
+            let calibrated_on = CalibratedOn {
+                range: Some(0.01),
+                assumed_accelerations: assumed,
+                least_accelerations: Some(least),
+                ..features_of([&legs])
+            };
+            range(&legs, &Machine { calibrated_on, ..machine.clone() }).expect("calibrated").ratio
+        };
+        // Four legs from rest to rest last v/A longer than at their feedrate.
+        let (slower, programmed) = (4.0 * 50.0 / 400.0 * (ASSUMED_ACCELERATION_RATIO - 1.0), 160.0 / 50.0);
+        let found = ratio_with([true, false, false], [0.0; 3]);
+        assert!((found - 0.01 - slower / programmed).abs() < 1e-3, "{found}");
+        assert_eq!(ratio_with([false, true, true], [0.0; 3]), 0.01);
+        // The runs allow no lower one, and a higher one saves less.
+        assert!(ratio_with([true, false, false], [400.0, 0.0, 0.0]) < found - 0.005);
     }
 
     #[test]

@@ -171,11 +171,38 @@ fn student_95(freedom: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::simulate;
 
     #[test]
     fn the_quantiles_are_those_of_tables() {
         for (freedom, tabled) in [(4.0, 2.132), (7.0, 1.895), (12.0, 1.782), (60.0, 1.671)] {
             assert!((student_95(freedom) / tabled - 1.0).abs() < 0.01, "{freedom}");
+        }
+    }
+
+    /// A run that is by turns 1 % slower and 1 % faster than simulated, section by section.
+    #[test]
+    fn the_usual_error_is_that_of_the_sections_of_the_runs() {
+        let machine = Machine::default();
+        let legs: String = (1..800).map(|at| format!("G1 X{} F600\n", 0.2 * f64::from(at))).collect();
+        let toolpath = trace(&read(legs.as_bytes()), &machine);
+        let ends = toolpath.ends().map(ProgramPlace::Along).collect();
+        let mut marks = simulated_marks(&toolpath, &simulate(&toolpath, &machine), ends, 1e-3);
+        let (first, last) = (marks[0].time, marks[marks.len() - 1].time);
+        let section = (last - first) / SECTIONS as f64;
+        for mark in &mut marks {
+            let passed = (mark.time - first) / section;
+            mark.time += 0.01 * section * (1.0 - (passed % 2.0 - 1.0).abs());
+        }
+        let alignment = Alignment::of_marks(Method::Positions, first..last, marks, 159.8);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        for (fitted, ratio) in [(0, 1.0), (6, 2.0), (20, 8f64.sqrt())] {
+            let expected = LEAST_ERROR.hypot(ratio * DEVIATION_PER_MEDIAN * 0.01);
+            let found = usual_error(&machine, &runs, fitted);
+            assert!((found / expected - 1.0).abs() < 0.02, "{fitted}: {found}, {expected}");
         }
     }
 
