@@ -257,8 +257,8 @@ fn nearest_to(corner: Point, program: &str, machine: &Machine) -> f64 {
 }
 
 /// Both curves are as wide as the tolerance ε allows. A parabola with the acceleration a along each leg begins at
-/// v² = 4 √2 a ε, replaces d = v²/2a = 2 √2 ε of each leg, and has d/4 = ε/√2 of both left beside the corner. It begins up to a
-/// servo period h earlier, at v + a h.
+/// v² = 4 √2 a ε, replaces d = v²/2a = 2 √2 ε of each leg, and has d/4 = ε/√2 of both left beside the corner. It begins
+/// earlier by the time e since the beginning of the servo period, at v + a e.
 #[test]
 fn a_blend_passes_the_corner_within_its_tolerance() {
     let mut machine = planner();
@@ -268,14 +268,15 @@ fn a_blend_passes_the_corner_within_its_tolerance() {
         for tolerance in [0.02, 0.3] {
             let program = format!("G21 G64 P{tolerance}\nG1 X40 F9000\nY40");
             let found = nearest_to(Point::new(40.0, 0.0, 0.0), &program, &machine);
-            // A parabola has half of the acceleration.
-            let slowest = (4.0 * SQRT_2 * 500.0 * tolerance).sqrt();
-            let earlier = match junction {
-                Junction::ParabolicBlend => (1.0 + 500.0 * PERIOD_S / slowest).powi(2),
-                _ => 1.0,
+            // A parabola has half of the acceleration. Its first leg only peaks, and then brakes to v.
+            let (half, v) = (500.0, (4.0 * SQRT_2 * 500.0 * tolerance).sqrt());
+            let early = ((2.0 * f64::sqrt(half * 40.0) - v) / half).rem_euclid(PERIOD_S);
+            let expected = match junction {
+                Junction::ParabolicBlend => tolerance * (1.0 + half * early / v).powi(2),
+                _ => tolerance,
             };
             assert!(
-                (0.99 * tolerance..1.001 * earlier * tolerance).contains(&found),
+                (0.99 * expected..1.001 * expected).contains(&found),
                 "{junction:?}: {found} of {tolerance} mm"
             );
         }

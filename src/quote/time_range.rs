@@ -5,7 +5,7 @@
 //! ```
 //!
 //! r is the error on other programs within the features shown, from the machine file; U is r times
-//! [`UNSHOWN_RATIO`] or [`UNSHOWN_FEED_RATIO`]. Features that the calibrating programs did not show are corners that turn more,
+//! [`UNSHOWN_ERROR_RATIO`] or [`UNSHOWN_FEED_ERROR_RATIO`]. Features that the calibrating programs did not show are corners that turn more,
 //! arcs and blocks of other size, faster feeds, and faster rapids of an axis. The time of a feature is length
 //! over feedrate, around a corner at most [`CORNER_REACH_S`] of it.
 //!
@@ -44,8 +44,8 @@ use crate::simulation::toolpath::{Curve, Motion, Segment, Stop, Toolpath};
 /// acceleration slow feeds hardly show. The parameters of the other laws remain valid beyond the features shown if the
 /// calibration found the family of the control. Set on the two mills of docs/diagnosis.md: beyond r, their errors are up to
 /// 10 r of the time at faster feeds.
-const UNSHOWN_FEED_RATIO: f64 = 10.0;
-const UNSHOWN_RATIO: f64 = 2.5;
+const UNSHOWN_FEED_ERROR_RATIO: f64 = 10.0;
+const UNSHOWN_ERROR_RATIO: f64 = 2.5;
 /// Ratio of an assumed acceleration to the true one, or of the true one to it, that nine in ten do not exceed: of 13 that
 /// calibrations of LinuxCNC assumed, twelve are within 1.15, and one is 1.3 times too high.
 const ASSUMED_ACCELERATION_RATIO: f64 = 1.25;
@@ -101,9 +101,11 @@ impl UnshownFeature {
         UnshownFeature::MWords,
     ];
 
-    /// Returns the additional error of the time of the feature, as a part of that time; `shown` is that of features shown.
+    /// Returns the additional error of the time of the feature, as a part of that time, if features that were shown have the
+    /// relative error `shown`.
     fn error(self, shown: f64) -> f64 {
-        let ratio = if self == UnshownFeature::Feeds { UNSHOWN_FEED_RATIO } else { UNSHOWN_RATIO };
+        let ratio =
+            if self == UnshownFeature::Feeds { UNSHOWN_FEED_ERROR_RATIO } else { UNSHOWN_ERROR_RATIO };
         (ratio * shown).min(MAX_UNSHOWN_ERROR)
     }
 
@@ -295,41 +297,37 @@ fn unshown_corners(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts
     Unshown { feature: UnshownFeature::Corners, lasts: lasts_at_corners, error }
 }
 
-/// Returns the times by which a program differs if values that the runs do not show are others that they allow.
-fn with_assumed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshown> {
+/// Returns by how much the time of a program would change at other overrides and accelerations that the runs allow.
+fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshown> {
     let on = &machine.calibrated_on;
     let planned_for = |max_override: f64| {
         let mut other = machine.clone();
         other.interpolator.max_override = max_override;
         other
     };
+    let least = on.least_accelerations.unwrap_or_default();
     let accelerating = |ratio: f64| {
-        let least = on.least_accelerations.unwrap_or_default();
         let mut other = machine.clone();
-        for ((axis, least), _) in
-            other.axes.iter_mut().zip(least).zip(on.assumed_accelerations).filter(|(_, assumed)| *assumed)
-        {
-            axis.acceleration = (ratio * axis.acceleration).max(least);
+        for axis in (0..3).filter(|axis| on.assumed_accelerations[*axis]) {
+            other.axes[axis].acceleration = (ratio * other.axes[axis].acceleration).max(least[axis]);
         }
         other
     };
-    let overrides = on.largest_override.map(planned_for).into_iter().collect();
+    let overrides: Vec<Machine> = on.largest_override.map(planned_for).into_iter().collect();
     let accelerations = match on.assumed_accelerations.contains(&true) {
         true => [1.0 / ASSUMED_ACCELERATION_RATIO, ASSUMED_ACCELERATION_RATIO].map(accelerating).to_vec(),
         false => Vec::new(),
     };
-    let mut allowed: Vec<(UnshownFeature, Vec<Machine>)> =
-        vec![(UnshownFeature::Overrides, overrides), (UnshownFeature::Accelerations, accelerations)];
-    allowed.retain(|(_, others)| !others.is_empty());
-    if allowed.is_empty() {
+    if overrides.is_empty() && accelerations.is_empty() {
         return Vec::new();
     }
     let time = |machine: &Machine| simulate(toolpath, machine).cycle_time();
     let own = time(machine);
-    let largest =
-        |others: Vec<Machine>| others.iter().map(|other| (time(other) - own).abs()).fold(0.0, f64::max);
-    let unshown = |(feature, others)| Unshown { feature, lasts: largest(others), error: 1.0 };
-    allowed.into_iter().map(unshown).collect()
+    let unshown = |feature, others: Vec<Machine>| {
+        let lasts = others.iter().map(|other| (time(other) - own).abs()).fold(0.0, f64::max);
+        Unshown { feature, lasts, error: 1.0 }
+    };
+    vec![unshown(UnshownFeature::Overrides, overrides), unshown(UnshownFeature::Accelerations, accelerations)]
 }
 
 /// Returns the time by which a segment takes longer from rest to rest than at its feedrate, s.
@@ -428,7 +426,7 @@ fn of_motion(toolpath: &Toolpath, machine: &Machine) -> Option<UnshownTimes> {
         found.whole += lasts.max(unshown.lasts);
         found.add(unshown);
     }
-    with_assumed_values(toolpath, machine).into_iter().for_each(|unshown| found.add(unshown));
+    at_other_allowed_values(toolpath, machine).into_iter().for_each(|unshown| found.add(unshown));
     Some(found)
 }
 

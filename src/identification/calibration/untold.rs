@@ -103,17 +103,19 @@ pub fn least(last: &Fit, untold: [bool; 3], runs: &[Run], whitenings: &[Whitenin
 pub fn largest_override(last: &Fit, runs: &[Run], whitenings: &[Whitening]) -> Option<f64> {
     let interpolator = &last.machine.interpolator;
     let is_allowed = |other: &&Machine| {
-        interpolator.max_override < other.interpolator.max_override
+        interpolator.junction.blends_in_time()
+            && interpolator.max_override < other.interpolator.max_override
             && cost_of(other, runs, whitenings) < last.cost + MIN_CONTRADICTING_COST
     };
-    let others = match interpolator.junction.blends_in_time() {
-        true => MAX_OVERRIDE.guesses_on(&last.machine),
-        false => Vec::new(),
-    };
-    others.iter().filter(is_allowed).map(|other| other.interpolator.max_override).reduce(f64::max)
+    MAX_OVERRIDE
+        .guesses_on(&last.machine)
+        .iter()
+        .filter(is_allowed)
+        .map(|other| other.interpolator.max_override)
+        .reduce(f64::max)
 }
 
-/// Returns `true` if the runs cannot distinguish a machine with this cost from that of the last fit.
+/// Returns `true` if the runs cannot distinguish a machine with this cost from the machine of the last fit.
 fn is_unseen(machine: &Machine, cost: f64, last: &Fit, runs: &[Run]) -> bool {
     cost < last.cost + MIN_CONTRADICTING_COST || largest_shift([&last.machine, machine], runs) < MIN_MOVED_S
 }

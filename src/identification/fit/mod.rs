@@ -33,7 +33,7 @@ pub use golden_section::golden_section;
 pub use information::inverse;
 pub use leave_one_out::{HeldOutBlock, held_out_blocks};
 pub use uncertainty::dispersion;
-pub use whitening::Whitening;
+pub use whitening::{NORMAL_MEDIAN_DEVIATION, Whitening};
 
 use crate::identification::alignment::{Alignment, ProgramPlace, times_at_marks};
 use crate::identification::comparison::{Comparison, compare, residuals};

@@ -23,7 +23,7 @@
 use crate::identification::alignment::{Alignment, median};
 
 /// Median of the absolute value of a standard normal variable.
-const NORMAL_MEDIAN_DEVIATION: f64 = 0.6745;
+pub const NORMAL_MEDIAN_DEVIATION: f64 = 0.6745;
 
 /// Number of sections of a run.
 const SECTIONS_PER_RUN: usize = 16;

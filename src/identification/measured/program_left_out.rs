@@ -9,28 +9,27 @@
 //! r = t(0.95, PRIOR + n) · s √(1 + 1/programs),     s² = (PRIOR · u² + Σ e²) / (PRIOR + n),     u² = ε² + m²
 //! ```
 //!
-//! m is the usual relative error that the fit leaves on the sections of the runs, √(n/(n − k)) times as large for n sections
-//! and k fitted parameters: a model that misses parts of a run misses other programs by as much. ε is [`LEAST_ERROR`], that of models which miss nothing. A calibration by one
-//! program, from which none can be left out, has the range of these alone, and each further program moves the range
-//! towards its own errors.
+//! m is the usual relative error of the fit on the sections of the runs, corrected by √(n/(n − k)) for n sections and k
+//! fitted parameters: a model that is off on parts of a run is off on other programs by as much. ε is
+//! [`MIN_USUAL_ERROR_RATIO`], the error of models without such errors. The range of a calibration by one program, from which
+//! none can be left out, comes from u alone, and each further program moves the range towards its own errors.
+//!
 //! Sources: the predictive distribution of a normal mean of unknown variance, Gelman et al. 2013, Sect. 3.3;
 //! leaving out, Stone 1974.
 
 use crate::identification::alignment::median;
-use crate::identification::fit::{FreeParameter, Run, Whitening, fit};
+use crate::identification::fit::{FreeParameter, NORMAL_MEDIAN_DEVIATION, Run, Whitening, fit};
 use crate::machine::{CalibratedOn, Machine};
 use crate::quote::features_of;
 
 /// Weight of the prior, in errors of the size u.
 const PRIOR_WEIGHT: f64 = 4.0;
-/// RMS error on other programs of calibrations by one program that leave next to nothing on it, as a part of the time:
-/// 0.18 % on 36 pairs of programs of grbl, Klipper and LinuxCNC (the seeds 135443670, 15238624, 168598907 and 58934268).
-const LEAST_ERROR: f64 = 0.002;
+/// Least usual error on other programs, as a part of the time: the RMS error of calibrations by one program that fit this
+/// program almost exactly, 0.18 % on 36 pairs of programs of grbl, Klipper and LinuxCNC (the seeds 135443670, 15238624,
+/// 168598907 and 58934268).
+const MIN_USUAL_ERROR_RATIO: f64 = 0.002;
 /// Number of sections of a run, equally long in time.
 const SECTIONS: usize = 8;
-/// Ratio of the standard deviation of a normal distribution to the median of the sizes of its values: unlike their root
-/// mean square, the median is that of the model where a halt lengthens a section.
-const DEVIATION_PER_MEDIAN: f64 = 1.4826;
 /// Quantile of the normal distribution below which 95 % lie.
 const NORMAL_QUANTILE_95: f64 = 1.645;
 /// Relative cost decrease below which a step is the last.
@@ -129,12 +128,13 @@ fn usual_error(machine: &Machine, runs: &[Run], fitted: usize) -> f64 {
     let mut sizes: Vec<f64> =
         runs.iter().flat_map(|run| section_errors(run, machine)).map(f64::abs).collect();
     if sizes.is_empty() {
-        return LEAST_ERROR;
+        return MIN_USUAL_ERROR_RATIO;
     }
     let count = sizes.len();
     let free = count.saturating_sub(fitted).max(1);
-    let left = DEVIATION_PER_MEDIAN * median(&mut sizes) * (count as f64 / free as f64).sqrt();
-    LEAST_ERROR.hypot(left)
+    // Unlike a root mean square, a median does not grow by a halt in one section.
+    let left = median(&mut sizes) / NORMAL_MEDIAN_DEVIATION * (count as f64 / free as f64).sqrt();
+    MIN_USUAL_ERROR_RATIO.hypot(left)
 }
 
 /// Returns the relative error of the time of each section of a run.
@@ -200,7 +200,7 @@ mod tests {
         let alignment = Alignment::of_marks(Method::Positions, first..last, marks, 159.8);
         let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
         for (fitted, ratio) in [(0, 1.0), (6, 2.0), (20, 8f64.sqrt())] {
-            let expected = LEAST_ERROR.hypot(ratio * DEVIATION_PER_MEDIAN * 0.01);
+            let expected = MIN_USUAL_ERROR_RATIO.hypot(ratio * 0.01 / NORMAL_MEDIAN_DEVIATION);
             let found = usual_error(&machine, &runs, fitted);
             assert!((found / expected - 1.0).abs() < 0.02, "{fitted}: {found}, {expected}");
         }
@@ -208,9 +208,9 @@ mod tests {
 
     #[test]
     fn errors_that_programs_show_take_the_place_of_the_usual_one() {
-        let alone = half_range(&[], 1, LEAST_ERROR);
-        let small = half_range(&[1e-4; 12], 12, LEAST_ERROR);
-        let large = half_range(&[0.05; 12], 12, LEAST_ERROR);
+        let alone = half_range(&[], 1, MIN_USUAL_ERROR_RATIO);
+        let small = half_range(&[1e-4; 12], 12, MIN_USUAL_ERROR_RATIO);
+        let large = half_range(&[0.05; 12], 12, MIN_USUAL_ERROR_RATIO);
         assert!(small < 0.5 * alone && alone < 0.5 * large, "{small} {alone} {large}");
     }
 }

@@ -25,7 +25,7 @@
 //! lasts T = b/a1 + c and takes b (b/2a1 + c) of the first leg; the second speeds up by a2 to w = min(a2 T, F2). Along the
 //! parabola the speed changes from b to w with one acceleration, over the length that takes the time T.
 //!
-//! LinuxCNC compares the speed C (b1 + b2)/4 of a parabola with that of a circle. It computes b1 and b2 at the largest
+//! LinuxCNC takes a parabola if C (b1 + b2)/4 exceeds the speed on the circle. It computes b1 and b2 at the largest
 //! override, and with a peak v ≤ √(a L/2), since the other ends of the legs are not planned yet.
 //!
 //! Limits: in a chain of legs that only peak, nearly all of each leg is overlapped, and a corner is up to 0.3 ms off.
@@ -199,17 +199,14 @@ fn overlapped([first, second]: [RampedLeg; 2], below: f64, early: f64, tolerance
         braking: (first.feedrate - below) / a1,
         stopping: below / a1,
     };
-    if below == 0.0 {
+    let from = if 0.0 < below { (below + a1 * early.min(parabola.braking)).max(0.0) } else { 0.0 };
+    if from == 0.0 {
         return Blend { parabola: Some(parabola), ..Blend::none(0.0) };
     }
-    let from = (below + a1 * early.min(parabola.braking)).max(0.0);
     let lasts = from / a1 + (early - parabola.braking).max(0.0);
     let end = (a2 * lasts).min(second.feedrate);
     let distances = [from * (lasts - 0.5 * from / a1), 0.5 * end * (2.0 * lasts - end / a2)];
     let both = distances[0] + distances[1];
-    if both == 0.0 {
-        return Blend { parabola: Some(parabola), ..Blend::none(0.0) };
-    }
     let square = from * from + (end * end - from * from) * distances[0] / both;
     // A second leg that comes to its feedrate while the first still brakes makes both together faster than either.
     let shortening = 0.5 * (from + end) * lasts / both;
