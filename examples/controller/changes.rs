@@ -4,7 +4,7 @@
 
 use serde_json::{Value, json};
 
-use crate::machine::{AXES, Limits};
+use crate::machine::{AXES, Family, Limits};
 use crate::random::Random;
 use crate::trace::Scale;
 use crate::words::{Manner, PathMode, rounded_to};
@@ -39,6 +39,8 @@ pub struct Kind {
     pub name: &'static str,
     /// Whether it moves the recorded path beside the command and leaves the time.
     pub bends_path: bool,
+    /// The controls on which it can be made.
+    pub on: &'static [Family],
     /// Whether a program has what it changes.
     pub applies: fn(&Manner) -> bool,
     pub draw: fn(&mut Random, &Case) -> Drawn,
@@ -47,34 +49,51 @@ pub struct Kind {
 const ANY: fn(&Manner) -> bool = |_| true;
 const BLENDS: fn(&Manner) -> bool = |manner| manner.path != PathMode::Exact;
 
+const ALL: &[Family] = &[Family::LinuxCnc, Family::Grbl, Family::Klipper];
+const BY_AXIS: &[Family] = &[Family::LinuxCnc, Family::Grbl];
+const LINUXCNC: &[Family] = &[Family::LinuxCnc];
+const GRBL: &[Family] = &[Family::Grbl];
+const KLIPPER: &[Family] = &[Family::Klipper];
+
 const fn kind(
     name: &'static str,
+    on: &'static [Family],
     applies: fn(&Manner) -> bool,
     draw: fn(&mut Random, &Case) -> Drawn,
 ) -> Kind {
-    Kind { name, bends_path: false, applies, draw }
+    Kind { name, bends_path: false, on, applies, draw }
 }
 
-pub static KINDS: [Kind; 17] = [
-    kind("axis_acceleration", ANY, axis_acceleration),
-    kind("axis_velocity", ANY, axis_velocity),
-    kind("feed_override", ANY, feed_override),
-    kind("feed_override_interval", ANY, feed_override_interval),
-    kind("rapid_override", ANY, rapid_override),
-    kind("feed_hold", ANY, |random, case| halt("--hold-at", random, case)),
-    kind("operator_pause", ANY, |random, case| halt("--pause-at", random, case)),
-    kind("blend_tolerance", BLENDS, blend_tolerance),
-    kind("exact_path", BLENDS, |_, _| Drawn::new("--path", "G61".into(), json!({ "mode": "G61" }))),
-    kind("exact_stop", BLENDS, |_, _| Drawn::new("--path", "G61.1".into(), json!({ "mode": "G61.1" }))),
-    kind("spindle_delay", |manner| manner.spindle, spindle_delay),
-    kind("spindle_ramp", |manner| manner.spindle, spindle_ramp),
-    kind("tool_change", |manner| manner.tool_changes, tool_change),
-    kind("arc_blends_off", BLENDS, |_, _| {
+/// Those of LinuxCNC come first, in the order in which its seeds draw them.
+pub static KINDS: [Kind; 24] = [
+    kind("axis_acceleration", BY_AXIS, ANY, axis_acceleration),
+    kind("axis_velocity", BY_AXIS, ANY, axis_velocity),
+    kind("feed_override", ALL, ANY, feed_override),
+    kind("feed_override_interval", ALL, ANY, feed_override_interval),
+    kind("rapid_override", BY_AXIS, ANY, rapid_override),
+    kind("feed_hold", BY_AXIS, ANY, |random, case| halt("--hold-at", random, case)),
+    kind("operator_pause", LINUXCNC, ANY, |random, case| halt("--pause-at", random, case)),
+    kind("blend_tolerance", LINUXCNC, BLENDS, blend_tolerance),
+    kind("exact_path", LINUXCNC, BLENDS, |_, _| Drawn::new("--path", "G61".into(), json!({ "mode": "G61" }))),
+    kind("exact_stop", LINUXCNC, BLENDS, |_, _| {
+        Drawn::new("--path", "G61.1".into(), json!({ "mode": "G61.1" }))
+    }),
+    kind("spindle_delay", LINUXCNC, |manner| manner.spindle, spindle_delay),
+    kind("spindle_ramp", LINUXCNC, |manner| manner.spindle, spindle_ramp),
+    kind("tool_change", LINUXCNC, |manner| manner.tool_changes, tool_change),
+    kind("arc_blends_off", LINUXCNC, BLENDS, |_, _| {
         Drawn::new("--traj", "ARC_BLEND_ENABLE=0".into(), json!({ "arc_blend_enable": 0 }))
     }),
-    kind("velocity_slider", ANY, velocity_slider),
-    Kind { name: "servo_lag", bends_path: true, applies: ANY, draw: servo_lag },
-    Kind { name: "backlash", bends_path: true, applies: ANY, draw: backlash },
+    kind("velocity_slider", LINUXCNC, ANY, velocity_slider),
+    Kind { name: "servo_lag", bends_path: true, on: LINUXCNC, applies: ANY, draw: servo_lag },
+    Kind { name: "backlash", bends_path: true, on: LINUXCNC, applies: ANY, draw: backlash },
+    kind("junction_deviation", GRBL, ANY, junction_deviation),
+    kind("look_ahead", GRBL, ANY, look_ahead),
+    kind("axis_acceleration", KLIPPER, ANY, acceleration_of_z),
+    kind("path_acceleration", KLIPPER, ANY, path_acceleration),
+    kind("square_corner_velocity", KLIPPER, ANY, square_corner_velocity),
+    kind("velocity_slider", KLIPPER, ANY, velocity_slider),
+    kind("pause_before_line", KLIPPER, ANY, |random, case| halt("--hold-at", random, case)),
 ];
 
 /// The kind of this name.
@@ -87,6 +106,39 @@ fn axis_acceleration(random: &mut Random, case: &Case) -> Drawn {
     let a = rounded_to(case.limits.acceleration[axis] * (1.0 - random.log_uniform(0.03, 0.7)), 1);
     let value = json!({ "axis": AXES[axis].to_uppercase(), "a_mm_s2": a });
     Drawn::new(&format!("--acc-{}", AXES[axis]), a.to_string(), value)
+}
+
+fn acceleration_of_z(random: &mut Random, case: &Case) -> Drawn {
+    let a = rounded_to(case.limits.acceleration[2] * (1.0 - random.log_uniform(0.03, 0.7)), 1);
+    Drawn::new("--acc-z", a.to_string(), json!({ "axis": "Z", "a_mm_s2": a }))
+}
+
+/// Klipper's `max_accel`. Corners keep their velocities.
+fn path_acceleration(random: &mut Random, case: &Case) -> Drawn {
+    let a = rounded_to(case.limits.acceleration[0] * (1.0 - random.log_uniform(0.03, 0.7)), 1);
+    Drawn::new("--acc-x", a.to_string(), json!({ "a_mm_s2": a }))
+}
+
+/// A factor to either side.
+fn factor(random: &mut Random) -> f64 {
+    let factor = random.log_uniform(1.2, 10.0);
+    if random.chance(0.5) { factor } else { 1.0 / factor }
+}
+
+fn junction_deviation(random: &mut Random, case: &Case) -> Drawn {
+    let mm = rounded_to(case.limits.junction_deviation() * factor(random), 4);
+    Drawn::new("--junction-deviation", mm.to_string(), json!({ "junction_deviation_mm": mm }))
+}
+
+fn square_corner_velocity(random: &mut Random, case: &Case) -> Drawn {
+    let v = rounded_to(case.limits.square_corner_velocity() * factor(random), 2);
+    Drawn::new("--square-corner-velocity", v.to_string(), json!({ "square_corner_velocity_mm_s": v }))
+}
+
+/// Blocks that the buffer holds.
+fn look_ahead(random: &mut Random, _: &Case) -> Drawn {
+    let blocks = random.log_uniform(2.0, 12.0).round();
+    Drawn::new("--look-ahead", blocks.to_string(), json!({ "blocks": blocks }))
 }
 
 fn axis_velocity(random: &mut Random, case: &Case) -> Drawn {

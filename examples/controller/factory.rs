@@ -40,6 +40,7 @@ mod purpose {
     pub const MACHINES: u64 = 1;
     pub const KINDS: u64 = 2;
     pub const CHANGES: u64 = 3;
+    pub const SETTINGS: u64 = 4;
     pub const PROGRAM: u64 = 1000;
     pub const CHANGE: u64 = 1_000_000;
 }
@@ -85,12 +86,13 @@ pub fn record(order: &Order, folder: &Path) -> Result<(), Refusal> {
 /// The machine of each program, with its number.
 fn machines(order: &Order) -> Vec<(usize, Limits)> {
     let mut random = Random::new(order.seed, purpose::MACHINES);
+    let mut of_planner = Random::new(order.seed, purpose::SETTINGS);
     let mut all = Vec::new();
     for number in 0.. {
         if all.len() >= order.programs {
             break;
         }
-        let limits = Limits::draw(&mut random);
+        let limits = Limits::draw(&mut random).on(order.recorder.family, &mut of_planner);
         all.extend((0..2 + random.below(2)).map(|_| (number, limits.clone())));
     }
     all.truncate(order.programs);
@@ -127,7 +129,7 @@ fn part(
     let mut refused = Vec::new();
     for draw in 0..DRAWS {
         let mut random = Random::new(order.seed, purpose::PROGRAM + DRAWS * number as u64 + draw);
-        let manner = Manner::draw(&mut random);
+        let manner = Manner::draw(&mut random).on(order.recorder.family, limits);
         let every = random.pick(&[1, 2, 4, 5, 8]);
         let clearance = random.uniform(3.0, 12.0).round();
         let mut job = Job::new(random.uniform(18.0, 55.0), clearance);
@@ -154,8 +156,10 @@ fn part(
 /// Which change is made where: every kind comes before any comes again, as far as programs have what it changes.
 fn changes_drawn(order: &Order, parts: &[Part]) -> Vec<(usize, usize, usize)> {
     let mut random = Random::new(order.seed, purpose::CHANGES);
+    let family = order.recorder.family;
     let is_ordered =
         |kind: &usize| order.kinds.is_empty() || order.kinds.iter().any(|name| name == KINDS[*kind].name);
+    let possible: Vec<usize> = (0..KINDS.len()).filter(|kind| KINDS[*kind].on.contains(&family)).collect();
     let mut deck = Vec::new();
     let mut planned: Vec<(usize, usize, usize)> = Vec::new();
     for slot in 0..order.changes {
@@ -166,7 +170,8 @@ fn changes_drawn(order: &Order, parts: &[Part]) -> Vec<(usize, usize, usize)> {
             };
             let place = deck.iter().position(fits).unwrap_or_else(|| {
                 let begin = deck.len();
-                deck.extend(shuffled(&mut random, KINDS.len()).into_iter().filter(is_ordered));
+                let all = shuffled(&mut random, possible.len()).into_iter().map(|place| possible[place]);
+                deck.extend(all.filter(is_ordered));
                 deck[begin..].iter().position(fits).map_or(begin, |place| begin + place)
             });
             planned.push((part, slot, deck.remove(place)));

@@ -1,4 +1,5 @@
-//! Machines as they are declared to LinuxCNC: limits of acceleration and velocity for each axis.
+//! Machines as they are declared to a control: limits of acceleration and velocity for each axis, and what else its
+//! planner is set to.
 
 use serde_json::{Value, json};
 
@@ -6,11 +7,30 @@ use crate::random::Random;
 
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// What each axis may do, mm/s² and mm/s.
+/// Which control runs the programs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Family {
+    /// The real one, by its recorder.
+    LinuxCnc,
+    /// Written after the real one, as [`crate::planners`] says.
+    Grbl,
+    Klipper,
+}
+
+impl Family {
+    pub fn named(name: &str) -> Option<Family> {
+        [("linuxcnc", Family::LinuxCnc), ("grbl", Family::Grbl), ("klipper", Family::Klipper)]
+            .into_iter()
+            .find_map(|(own, family)| (own == name).then_some(family))
+    }
+}
+
+/// What each axis may do, mm/s² and mm/s, and further settings as options of the recorder.
 #[derive(Clone, Debug)]
 pub struct Limits {
     pub acceleration: [f64; 3],
     pub velocity: [f64; 3],
+    pub settings: Vec<(String, f64)>,
 }
 
 impl Limits {
@@ -25,7 +45,47 @@ impl Limits {
             ((acceleration / 10.0).round() * 10.0, velocity.round())
         };
         let all = [axis(0.6), axis(0.5), axis(0.3)];
-        Limits { acceleration: all.map(|pair| pair.0), velocity: all.map(|pair| pair.1) }
+        Limits {
+            acceleration: all.map(|pair| pair.0),
+            velocity: all.map(|pair| pair.1),
+            settings: Vec::new(),
+        }
+    }
+
+    /// These limits on a control of `family`, with the settings of its planner. Klipper has one velocity and one
+    /// acceleration along the path, and those of Z.
+    pub fn on(mut self, family: Family, random: &mut Random) -> Limits {
+        let rounded = |value: f64| (value * 1e3).round() / 1e3;
+        match family {
+            Family::LinuxCnc => {}
+            Family::Grbl => {
+                let deviation = rounded(random.log_uniform(0.004, 0.06));
+                self.settings = vec![("--junction-deviation".into(), deviation)];
+            }
+            Family::Klipper => {
+                self.acceleration[1] = self.acceleration[0];
+                self.velocity[1] = self.velocity[0];
+                let corner = rounded(random.log_uniform(1.0, 15.0));
+                let ratio = random.pick(&[0.5, 0.5, 0.25, 0.0]);
+                self.settings =
+                    vec![("--square-corner-velocity".into(), corner), ("--cruise-ratio".into(), ratio)];
+            }
+        }
+        self
+    }
+
+    fn setting(&self, option: &str) -> Option<f64> {
+        self.settings.iter().find(|(own, _)| own == option).map(|setting| setting.1)
+    }
+
+    /// grbl's junction deviation, mm.
+    pub fn junction_deviation(&self) -> f64 {
+        self.setting("--junction-deviation").unwrap_or(f64::NAN)
+    }
+
+    /// Klipper's square-corner velocity, mm/s.
+    pub fn square_corner_velocity(&self) -> f64 {
+        self.setting("--square-corner-velocity").unwrap_or(f64::NAN)
     }
 
     /// The options by which the recorder declares them.
@@ -35,16 +95,26 @@ impl Limits {
             options.extend([format!("--acc-{letter}"), self.acceleration[axis].to_string()]);
             options.extend([format!("--vel-{letter}"), self.velocity[axis].to_string()]);
         }
+        options.extend(self.settings.iter().flat_map(|(option, value)| [option.clone(), value.to_string()]));
         options
     }
 
     /// Returns the limits that [`Limits::to_json`] wrote.
     pub fn from_json(json: &Value) -> Limits {
         let of = |key: &str| std::array::from_fn(|axis| json[key][axis].as_f64().unwrap_or(f64::NAN));
-        Limits { acceleration: of("acceleration_mm_s2"), velocity: of("velocity_mm_s") }
+        let settings = json["settings"].as_object().into_iter().flatten();
+        Limits {
+            acceleration: of("acceleration_mm_s2"),
+            velocity: of("velocity_mm_s"),
+            settings: settings
+                .filter_map(|(option, value)| Some((option.clone(), value.as_f64()?)))
+                .collect(),
+        }
     }
 
     pub fn to_json(&self) -> Value {
-        json!({ "acceleration_mm_s2": self.acceleration, "velocity_mm_s": self.velocity })
+        let settings: serde_json::Map<String, Value> =
+            self.settings.iter().map(|(option, value)| (option.clone(), json!(value))).collect();
+        json!({ "acceleration_mm_s2": self.acceleration, "velocity_mm_s": self.velocity, "settings": settings })
     }
 }

@@ -1,5 +1,6 @@
-//! A factory of truth from a real controller: programs as shops have them, run by an unmodified LinuxCNC, once as
-//! declared and again with exactly one thing changed, and the scoring of what `truefeed` says about them.
+//! A factory of truth from controllers: programs as shops have them, run by an unmodified LinuxCNC, or by planners written
+//! after grbl and Klipper, once as declared and again with exactly one thing changed, and the scoring of what `truefeed`
+//! says about them.
 //!
 //! Programs, machines, changes and strengths follow from the seed. LinuxCNC itself repeats a recording to the period,
 //! but for some 20 ms wherever a word empties its queue. `record` needs root and the recorder that it is pointed to.
@@ -7,7 +8,7 @@
 //!
 //! ```text
 //! cargo run --release --example controller -- record --seed 1 --programs 12 --changes 3 --out DIR
-//!     [--kinds backlash,servo_lag --recorder ../shared/recorders/linuxcnc/record.py --jobs 2 --nice 10]
+//!     [--control grbl] [--kinds backlash,servo_lag --recorder ../shared/recorders/linuxcnc/record.py --jobs 2 --nice 10]
 //! cargo run --release --example controller -- probe DIR [--preset M.toml --recorder … --jobs 2]
 //! cargo run --release --example controller -- score DIR --out REPORTS
 //!     [--truefeed target/release/truefeed --preset M.toml --jobs 2]
@@ -30,6 +31,7 @@ mod jobs;
 mod kinds;
 mod machine;
 mod names;
+mod planners;
 mod probes;
 #[allow(dead_code, reason = "the stand-in draws more from it")]
 #[path = "../standin/random.rs"]
@@ -64,6 +66,7 @@ fn run() -> Result<(), Refusal> {
         changes: 3,
         kinds: Vec::new(),
         recorder: recorder::Recorder {
+            family: machine::Family::LinuxCnc,
             script: "../shared/recorders/linuxcnc/record.py".into(),
             nice: 0,
             speed: 8.0,
@@ -86,6 +89,11 @@ fn run() -> Result<(), Refusal> {
                 if let Some(other) = order.kinds.iter().find(|name| changes::named(name).is_none()) {
                     return Err(format!("no kind of change is called '{other}'").into());
                 }
+            }
+            Long("control") => {
+                let name = arguments.value()?.string()?;
+                order.recorder.family = machine::Family::named(&name)
+                    .ok_or_else(|| format!("no control is called '{name}': linuxcnc, grbl or klipper"))?;
             }
             Long("recorder") => order.recorder.script = arguments.value()?.into(),
             Long("nice") => order.recorder.nice = arguments.value()?.parse()?,

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 /// A change, and the causes that say what it was. The limit of an axis must also be that of the right axis.
-const RIGHT: [(&str, &[&str]); 17] = [
+const RIGHT: [(&str, &[&str]); 22] = [
     ("axis_acceleration", &["axis_acceleration_limit"]),
     ("axis_velocity", &["axis_velocity_limit"]),
     ("feed_override", &["feed_override"]),
@@ -25,6 +25,12 @@ const RIGHT: [(&str, &[&str]); 17] = [
     ("velocity_slider", &["axis_velocity_limit", "feed_override", "rapid_override"]),
     ("servo_lag", &["servo_lag"]),
     ("backlash", &["backlash"]),
+    ("junction_deviation", &["junction_rule"]),
+    ("square_corner_velocity", &["junction_rule"]),
+    ("look_ahead", &["look_ahead"]),
+    ("path_acceleration", &["path_acceleration_limit"]),
+    // The motion ends before a line and begins again after a time: a wait as well as a hold.
+    ("pause_before_line", &["feed_hold", "unmodelled_wait"]),
 ];
 
 /// Whether a cause that was named says what was changed.

@@ -1,13 +1,16 @@
-//! The recorder of the real controller, run once for each recording.
+//! The recorder of a control, run once for each recording.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::Refusal;
+use crate::machine::Family;
+use crate::planners;
 use crate::trace::Trace;
 
-/// Where the recorder is, and how it is run.
+/// Which control is recorded, and for LinuxCNC where its recorder is and how it is run.
 pub struct Recorder {
+    pub family: Family,
     pub script: PathBuf,
     pub nice: i32,
     /// How many times faster than in reality.
@@ -31,6 +34,9 @@ impl Recorder {
         every: usize,
         options: &[String],
     ) -> Result<Outcome, Refusal> {
+        if self.family != Family::LinuxCnc {
+            return planners::record(self.family, program, every, options);
+        }
         let output = Command::new("nice")
             .args(["-n", &self.nice.to_string(), "python3"])
             .arg(&self.script)

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use crate::jobs::{Move, Point};
+use crate::machine::{Family, Limits};
 use crate::random::Random;
 
 /// How corners are passed, as the program says it.
@@ -35,6 +36,12 @@ pub struct Manner {
     /// Holes by G81 and G83, or by moves.
     pub cycles: bool,
     pub decimals: usize,
+    /// The feedrate of rapids, mm/min, on a control that runs them as it runs feed moves.
+    pub rapid_feed: Option<f64>,
+    /// The unit of the time of a dwell, s.
+    pub dwell_unit: f64,
+    /// Whether M5 precedes every M3, where M3 is a macro for which no motion stops.
+    pub stops_spindle: bool,
 }
 
 impl Manner {
@@ -57,6 +64,22 @@ impl Manner {
             tool_changes: random.chance(0.5),
             cycles: random.chance(0.8),
             decimals: if inch { 4 } else { 3 } + random.below(2),
+            rapid_feed: None,
+            dwell_unit: 1.0,
+            stops_spindle: false,
+        }
+    }
+
+    /// This manner in the words that a control of `family` knows.
+    pub fn on(self, family: Family, limits: &Limits) -> Manner {
+        let plain = Manner { path: PathMode::Unsaid, tool_changes: false, cycles: false, ..self.clone() };
+        match family {
+            Family::LinuxCnc => self,
+            Family::Grbl => plain,
+            Family::Klipper => {
+                let rapid_feed = Some((60.0 * limits.velocity[0]).round());
+                Manner { rapid_feed, dwell_unit: 1e-3, stops_spindle: true, ..plain }
+            }
         }
     }
 
@@ -86,7 +109,8 @@ impl Manner {
             post.lines.push(self.path_words());
         }
         // What precedes the first move is in no recording, so the tool goes up before anything else.
-        post.lines.push(format!("G0 Z{}", post.length(clearance)));
+        let feed = self.rapid_feed.map(|feed| post.feed_word(feed)).unwrap_or_default();
+        post.lines.push(format!("G0 Z{}{feed}", post.length(clearance)));
         for next in moves {
             post.add(next, clearance);
         }
@@ -177,14 +201,14 @@ impl Post<'_> {
 
     fn add(&mut self, next: &Move, clearance: f64) {
         match next {
-            Move::Rapid(end) => self.moves("G0", end, None, None),
+            Move::Rapid(end) => self.moves("G0", end, None, self.manner.rapid_feed),
             Move::Line { end, feed } => self.moves("G1", end, None, Some(*feed)),
             Move::Arc { end, centre, clockwise, feed } => {
                 self.moves(if *clockwise { "G2" } else { "G3" }, end, Some(*centre), Some(*feed));
             }
             Move::Dwell { seconds } => {
                 self.ends_cycle();
-                self.lines.push(format!("G4 P{}", number(*seconds, 2)));
+                self.lines.push(format!("G4 P{}", number(*seconds / self.manner.dwell_unit, 2)));
             }
             Move::Tool { number, rpm, name } => self.tool(*number, *rpm, name),
             Move::Hole { at, bottom, peck, feed, .. } if self.manner.cycles => {
@@ -201,6 +225,9 @@ impl Post<'_> {
             self.lines.push(format!("T{tool} M6 ({name})"));
         }
         if self.manner.spindle {
+            if self.manner.stops_spindle {
+                self.lines.push("M5".into());
+            }
             self.lines.push(format!("S{rpm} M3"));
         }
         self.tool = tool;
@@ -230,18 +257,18 @@ impl Post<'_> {
     /// The same hole by moves.
     fn pecks(&mut self, at: [f64; 2], bottom: f64, peck: f64, feed: f64, clearance: f64) {
         let point = |z: f64| [at[0], at[1], z];
-        self.moves("G0", &point(clearance), None, None);
-        self.moves("G0", &point(2.0), None, None);
+        self.moves("G0", &point(clearance), None, self.manner.rapid_feed);
+        self.moves("G0", &point(2.0), None, self.manner.rapid_feed);
         let mut depth = 0.0;
         while depth > bottom {
             let next = if peck > 0.0 { (depth - peck).max(bottom) } else { bottom };
             if depth < 0.0 {
-                self.moves("G0", &point(2.0), None, None);
-                self.moves("G0", &point(depth + 0.3), None, None);
+                self.moves("G0", &point(2.0), None, self.manner.rapid_feed);
+                self.moves("G0", &point(depth + 0.3), None, self.manner.rapid_feed);
             }
             self.moves("G1", &point(next), None, Some(feed));
             depth = next;
         }
-        self.moves("G0", &point(clearance), None, None);
+        self.moves("G0", &point(clearance), None, self.manner.rapid_feed);
     }
 }
