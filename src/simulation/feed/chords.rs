@@ -14,6 +14,9 @@
 //! Source: grbl 1.1, motion_control.c, mc_arc; Klipper, gcode_arcs.py. Limits: if a program would have more
 //! chords than [`MAX_ARC_CHORDS`] plus [`MAX_CHORDS_PER_SEGMENT`] for each of its segments, all chords are
 //! lengthened in proportion. grbl rounds the ends of chords to whole steps; here they lie on the arc.
+//!
+//! Both controls turn the radius of the start; only the last chord ends at the programmed end, whose radius may differ by the
+//! last digit of the program. The last chord then turns more sharply than the others, and the control slows down for it.
 
 use crate::machine::{ArcChords, Machine};
 use crate::simulation::feed::substitute::{Cover, Substitute};
@@ -69,13 +72,25 @@ fn by_distance(arc: &Arc, distance: f64) -> f64 {
     if 0.0 < square { 0.5 * arc.sweep * radius / square.sqrt() } else { 1.0 }
 }
 
+/// Returns the arc with its radius at the start all the way.
+fn of_start_radius(segment: &Segment) -> Segment {
+    let mut turned = segment.clone();
+    if let Curve::Arc(arc) = &mut turned.curve {
+        let mut whole = (**arc).clone();
+        whole.end_radius = whole.start_radius;
+        *arc = whole.into();
+    }
+    turned
+}
+
 fn add_chords(chorded: &mut Substitute, number: usize, segment: &Segment, chords: usize) {
     let part = segment.length / chords as f64;
     let rotation = Rotation::from(*segment.rotation / chords as f64);
+    let turned = of_start_radius(segment);
     let mut start = segment.start;
     for k in 0..chords {
         let is_last = k + 1 == chords;
-        let end = if is_last { segment.end } else { segment.point(part * (k + 1) as f64) };
+        let end = if is_last { segment.end } else { turned.point(part * (k + 1) as f64) };
         let length = (end - start).norm();
         // The chord of a full circle has no length.
         let (curve, length) =
@@ -94,6 +109,7 @@ mod tests {
     use crate::simulation::feed::{Tolerances, command};
     use crate::simulation::gcode::read;
     use crate::simulation::interpreter::trace;
+    use crate::simulation::toolpath::Vector;
     use std::f64::consts::TAU;
 
     fn machine(arc_chords: ArcChords) -> Machine {
@@ -112,6 +128,24 @@ mod tests {
     }
 
     const CIRCLE: &str = "G1 F2000 X10\nG2 X10 Y0 I-5 J0\nG1 X20\n";
+
+    /// An arc in inches whose end is 2.5 µm off its circle, as four decimals make it.
+    #[test]
+    fn the_last_chord_goes_from_the_circle_of_the_start_to_the_programmed_end() {
+        let program = "G20 G1 F100 X0 Y0\nG3 X0 Y0.2179 I0 J0.1089\n";
+        let (toolpath, chorded) = chords_of(program, ArcChords::Long(0.1)).expect("there is an arc");
+        let arc = toolpath.segments.iter().next_back().expect("an arc");
+        let center = arc.start + Vector::new(0.0, 0.1089 * 25.4, 0.0);
+        let chords: Vec<Segment> = chorded.toolpath.segments.iter().collect();
+        let (last, others) = chords.split_last().expect("chords");
+        for chord in others {
+            assert!(((chord.end - center).norm() - 0.1089 * 25.4).abs() < 1e-9);
+        }
+        assert_eq!(last.end, arc.end);
+        let turn = |one: &Segment, other: &Segment| one.tangent(0.0).angle(&other.tangent(0.0));
+        let usual = turn(&others[0], &others[1]);
+        assert!(0.02 < (turn(&others[others.len() - 1], last) - usual).abs(), "{usual}");
+    }
 
     #[test]
     fn a_circle_has_as_many_chords_as_the_control_makes() {
