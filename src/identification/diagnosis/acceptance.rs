@@ -8,6 +8,7 @@
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
 //! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts; a halt changes none |
 //! | chance | a wait at a word is longer or shorter than the cycles of a PLC make it from run to run |
+//! | sense | a limit that is lower than before costs time |
 //! | size | it explains more than `MIN_EXPLAINED_SHARE` of the cycle time, `MIN_LOST_TIME_S` s, and `MAX_REMAINING_PART` of the time explained |
 //!
 //! Causes that these runs cannot separate from the next cause are alike to it: other effects, or the same effect of
@@ -22,7 +23,7 @@ use crate::identification::diagnosis::speeds::Speeds;
 use crate::identification::diagnosis::verdict::MAX_REMAINING_PART;
 use crate::identification::diagnosis::{Candidate, Evidence, MIN_LOST_TIME_S, regions, standing};
 use crate::identification::effects::{Hypothesis, MIN_EXPLAINED_SHARE, Nature, UNEQUAL_FILTERS};
-use crate::identification::fit::{Run, VariationScale};
+use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::Machine;
 
 /// Largest part of the time that the earlier causes explain which a further cause may cancel.
@@ -98,7 +99,7 @@ pub fn passed(
         return None;
     }
     let further = regions::moved(current, &with, runs).0;
-    if !is_beyond_plc(&candidate, current, further) {
+    if !is_beyond_plc(&candidate, current, further) || is_limit_that_saves(&candidate, current, further) {
         return None;
     }
     // A cause that nearly cancels the others was fitted to the error of their laws.
@@ -153,6 +154,15 @@ fn is_beyond_plc(candidate: &Candidate, current: &Machine, seconds: f64) -> bool
         candidate.hypothesis.wait_between(believed, candidate.values[0]).unwrap_or(0.0)
     };
     plc_words == 0 || gates::is_beyond_chance(each(), seconds, plc_words)
+}
+
+/// Returns `true` if a limit is lower than before and the motion yet takes less time: then the limit was fitted to
+/// something else, because a lower limit makes no machine faster.
+fn is_limit_that_saves(candidate: &Candidate, current: &Machine, seconds: f64) -> bool {
+    let of = candidate.hypothesis.freed.iter().zip(&candidate.values);
+    let is_lower =
+        |(freed, value): (&FreeParameter, &f64)| *value < freed.handle.get(current).unwrap_or(f64::INFINITY);
+    seconds < 0.0 && candidate.hypothesis.is_limit() && of.into_iter().all(is_lower)
 }
 
 /// Returns `true` if a candidate lowers the cost by more than its price where the machine already has the assumed values that
