@@ -90,6 +90,14 @@ impl Machine {
         }
     }
 
+    /// Returns the machine with the acceleration limits of the path and of all axes multiplied by `ratio`.
+    pub fn with_scaled_accelerations(&self, ratio: f64) -> Machine {
+        let mut machine = self.clone();
+        machine.path.acceleration *= ratio;
+        machine.axes.iter_mut().for_each(|axis| axis.acceleration *= ratio);
+        machine
+    }
+
     /// Returns the machine with the value of its junction law multiplied by `ratio`; for blends the value is
     /// the contour tolerance.
     pub fn with_scaled_junction(&self, ratio: f64) -> Machine {

@@ -7,9 +7,9 @@
 use crate::identification::calibration::motion::{motion, spindle_ramp};
 use crate::identification::calibration::rapids::{RapidPlateaus, is_limited_as_rapids};
 use crate::identification::calibration::{
-    BETTER_FAMILY, BETTER_STEPS, MIN_CONTRADICTING_COST, MIN_ORDER_COST_DROP, MIN_ORDER_COST_DROP_RATIO,
-    ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, compared, families, largest_shift, polled, run_fit,
-    set_order, steps, waits, whitened, with_laws,
+    BETTER_FAMILY, BETTER_STEPS, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, MIN_ORDER_COST_DROP,
+    MIN_ORDER_COST_DROP_RATIO, ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, compared, families,
+    largest_shift, polled, run_fit, set_order, steps, waits, wander, whitened, with_laws,
 };
 use crate::identification::comparison::Comparison;
 use crate::identification::effects::MIN_EXPLAINED_SHARE;
@@ -21,6 +21,12 @@ use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 /// Least shift of any moment of the runs that distinguishes two planners, s. Simulated planners are not more exact than a
 /// servo period.
 const MIN_DISTINGUISHING_SHIFT_S: f64 = LINUXCNC_SERVO_PERIOD_S;
+/// Least delay of filters that shape ramps, s: the longest usual cycle of a control.
+const MIN_FILTER_DELAY_S: f64 = 4e-3;
+/// Share of the fits of planners in the progress.
+const PLANNERS_SHARE: f64 = 0.4;
+/// Largest number of fits of a planner from beside the values that a fit has found.
+const MAX_RESTARTS: usize = 3;
 /// Initial value of the dwell excess in a fit, s: half the cycle of a 10 ms task.
 const INITIAL_DWELL_EXCESS_S: f64 = 0.005;
 
@@ -210,22 +216,79 @@ impl<'a> Fitting<'a> {
         });
     }
 
-    /// Replaces the model by a planner if that is nearer by far; `plain` has the filters without laws.
+    /// Replaces the model by the nearest planner if that is nearer by far; `plain` has the filters without laws.
     fn try_planners(&mut self, plain: &Machine, model: &mut Model) {
-        for start in families::guesses(self.machine, plain, self.runs, &model.whitenings, self.plateaus) {
-            let (mut best, mut whitenings) = self.fit_at_own_noise(&start, 1, FTOL);
-            // What has no derivative is chosen again where the fit has come to.
-            if let Some(other) = families::chosen_again(&best.machine, self.runs, &whitenings) {
-                (best, whitenings) = self.fit_at_own_noise(&other, 1, FTOL);
-            }
-            // At the noise of the one that leaves less, or nothing would tell two apart that leave little.
-            let margin = 1.0 - BETTER_FAMILY;
-            if best.cost < margin * cost_of(&model.best.machine, self.runs, &whitenings)
-                && self.can_distinguish(&best.machine, &model.best.machine)
-            {
-                *model = Model { best, whitenings, order: 1 };
+        let starts = families::guesses(self.machine, plain, self.runs, &model.whitenings, self.plateaus);
+        self.share.part = PLANNERS_SHARE / (starts.len().max(1) * MAX_NOISE_ROUNDS) as f64;
+        let mut of_families: Vec<Model> = Vec::new();
+        for start in &starts {
+            let next = self.planner(start);
+            match of_families.iter_mut().find(|model| is_same_family(model, &next)) {
+                Some(best) if self.is_nearer(&next, best) => *best = next,
+                Some(_) => {}
+                None => of_families.push(next),
             }
         }
+        let of_families: Vec<Model> = of_families.into_iter().map(|model| self.restarted(model)).collect();
+        let nearest = of_families.into_iter().reduce(|best, next| {
+            let is_nearer = self.is_nearer(&next, &best);
+            if is_nearer { next } else { best }
+        });
+        let Some(planner) = nearest else { return };
+        // At the noise of the one that leaves less, or nothing would tell two apart that leave little.
+        let with_filters = cost_of(&model.best.machine, self.runs, &planner.whitenings);
+        // Filters shorter than a cycle of the control shape no ramp, so the control is a planner.
+        let delay = model.best.machine.interpolator.filter_delay(0.0);
+        let most = if delay < MIN_FILTER_DELAY_S {
+            with_filters - MIN_CONTRADICTING_COST
+        } else {
+            (1.0 - BETTER_FAMILY) * with_filters
+        };
+        if planner.best.cost < most && self.can_distinguish(&planner.best.machine, &model.best.machine) {
+            *model = planner;
+        }
+    }
+
+    /// Returns the planner fitted from a start.
+    fn planner(&mut self, start: &Machine) -> Model {
+        let (mut best, mut whitenings) = self.fit_at_own_noise(start, 1, FTOL);
+        // What has no derivative is chosen again where the fit has come to.
+        if let Some(other) = families::chosen_again(&best.machine, self.runs, &whitenings) {
+            (best, whitenings) = self.fit_at_own_noise(&other, 1, FTOL);
+        }
+        Model { best, whitenings, order: 1 }
+    }
+
+    /// Returns the planner fitted from beside its values while that is nearer: corners, accelerations and cruise ratio make up
+    /// for each other, so a fit may end beside the nearest values.
+    fn restarted(&mut self, mut planner: Model) -> Model {
+        for _ in 0..MAX_RESTARTS {
+            let beside = families::beside_minimum(&planner.best.machine, self.runs, &planner.whitenings);
+            let Some(start) = beside else { break };
+            let (best, whitenings) = self.fit_at_own_noise(&start, 1, FTOL);
+            if cost_of(&planner.best.machine, self.runs, &whitenings) <= best.cost {
+                break;
+            }
+            planner = Model { best, whitenings, order: 1 };
+        }
+        planner
+    }
+
+    /// Returns `true` if a planner is nearer to the runs than an earlier one: by far if both blend corners in time or it has
+    /// more parameters, otherwise so that the runs contradict the earlier one.
+    fn is_nearer(&self, planner: &Model, earlier: &Model) -> bool {
+        let quieter =
+            if wander(&planner.whitenings) < wander(&earlier.whitenings) { planner } else { earlier };
+        let [cost, before] =
+            [planner, earlier].map(|model| cost_of(&model.best.machine, self.runs, &quieter.whitenings));
+        let has_more = earlier.best.values.len() < planner.best.values.len();
+        let blends = planner.best.machine.interpolator.junction.blends_in_time();
+        let most = if has_more || blends && is_same_family(planner, earlier) {
+            (1.0 - BETTER_FAMILY) * before
+        } else {
+            before - MIN_CONTRADICTING_COST
+        };
+        cost < most && self.can_distinguish(&planner.best.machine, &earlier.best.machine)
     }
 
     /// Replaces the model by one with another way to blend corners if the runs contradict the first one. It fits each of
@@ -279,6 +342,13 @@ impl<'a> Fitting<'a> {
             *model = Model { best, whitenings, order };
         }
     }
+}
+
+/// Returns `true` if two planners have one law of corners; all ways to blend them are one.
+fn is_same_family(one: &Model, other: &Model) -> bool {
+    let [one, other] = [one, other].map(|model| model.best.machine.interpolator.junction);
+    std::mem::discriminant(&one) == std::mem::discriminant(&other)
+        || one.blends_in_time() && other.blends_in_time()
 }
 
 #[cfg(test)]

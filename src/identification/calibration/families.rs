@@ -11,6 +11,12 @@ use crate::identification::effects::parameters::{JUNCTION_RATIOS, MAX_OVERRIDE, 
 use crate::identification::fit::{Run, Whitening};
 use crate::machine::{Junction, Machine, Planner};
 
+/// Minimum cruise ratios from which fits begin: the default one of Klipper, and a small one, since a fit that begins without
+/// one keeps none.
+const CRUISE_RATIOS: [f64; 2] = [0.5, 0.1];
+/// Ratios by which the accelerations, and the law of corners, of a fitted planner are scaled to leave a local minimum.
+const BESIDE_RATIOS: [[f64; 3]; 2] = [[0.6, 1.0, 1.6], [0.4, 1.0, 2.5]];
+
 /// A family of planners as a calibration tries it.
 #[derive(Clone, Copy)]
 struct CandidateFamily {
@@ -18,14 +24,16 @@ struct CandidateFamily {
     /// `true` if the machine file's contour tolerance bounds the blends; `false` if nothing does. A fit cannot change from
     /// one to the other.
     keeps_tolerance: bool,
-    /// `true` if its axes are limited to the velocities that they reached again and again.
-    has_limited_axes: bool,
+    /// `true` if its axes, or the path on a control that limits that instead, are limited to the velocities that they reached
+    /// again and again.
+    is_limited: bool,
+    /// Minimum cruise ratio, 0 if the family has none.
+    cruise_ratio: f64,
 }
 
 /// Returns the machine of each family that is nearest to the runs, before any fit. `machine` is the machine before
 /// the calibration; `fitted` has the waits and the rapid feed that filters need. Acceleration blends are guessed
-/// with a contour tolerance, as the control may be started with one, and without; and, if axes never exceeded a speed
-/// that they reached again and again, also with this speed as their limit.
+/// with a contour tolerance, as the control may be started with one, and without.
 pub fn guesses(
     machine: &Machine,
     fitted: &Machine,
@@ -36,44 +44,93 @@ pub fn guesses(
     let mut plain = fitted.clone();
     plain.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
     let guess = |candidate: CandidateFamily| {
-        let CandidateFamily { planner, keeps_tolerance, has_limited_axes } = candidate;
+        let CandidateFamily { planner, keeps_tolerance, is_limited, cruise_ratio } = candidate;
         let at = |acceleration: &f64| {
             let mut of = plain.clone();
             of.become_planner(planner, *acceleration);
-            if planner == Planner::AccelerationBlend {
-                if let Some(seen) = plateaus {
-                    seen.limit_feed(&mut of);
-                    of = seen.limited_to_fastest(&of).filter(|_| has_limited_axes).unwrap_or(of);
-                }
-                if keeps_tolerance {
-                    of.interpolator.contour_tolerance = plain.interpolator.contour_tolerance;
-                }
+            of.interpolator.minimum_cruise_ratio = cruise_ratio;
+            if let Some(seen) = plateaus {
+                seen.limit_feed(planner, &mut of);
+                of = seen.limited_to_fastest(planner, &of).filter(|_| is_limited).unwrap_or(of);
+            }
+            if planner == Planner::AccelerationBlend && keeps_tolerance {
+                of.interpolator.contour_tolerance = plain.interpolator.contour_tolerance;
             }
             of
         };
         let ramps = PLANNER_ACCELERATION.guesses.iter().map(at);
-        let grid = ramps.flat_map(|of| with_rapids(planner, &of, machine, fitted, plateaus));
-        let nearest_ramps = nearest(grid, runs, whitenings)?;
+        let grid: Vec<Vec<Machine>> =
+            ramps.map(|of| with_rapids(planner, &of, machine, fitted, plateaus)).collect();
+        let scaled = |of: &Machine| JUNCTION_RATIOS.map(|ratio| of.with_scaled_junction(ratio));
+        let nearest_ramps = nearest(grid.iter().flatten().cloned(), runs, whitenings);
+        let is_free = planner == Planner::AccelerationBlend && !keeps_tolerance;
         // A blend that nothing bounds has no tolerance to scale.
-        let found = if planner == Planner::AccelerationBlend && !keeps_tolerance {
-            nearest_ramps
-        } else {
-            nearest(JUNCTION_RATIOS.map(|ratio| nearest_ramps.with_scaled_junction(ratio)), runs, whitenings)?
-        };
+        let by_ramps = nearest_ramps
+            .and_then(|of| if is_free { Some(of) } else { nearest(scaled(&of), runs, whitenings) });
         match planner {
-            Planner::AccelerationBlend => nearest(with_circles(&found), runs, whitenings),
-            _ => Some(found),
+            Planner::AccelerationBlend => {
+                let of = |found: Machine| nearest(with_circles(&found), runs, whitenings);
+                by_ramps.and_then(of).into_iter().collect()
+            }
+            // Slow corners make up for steep ramps, so every second guess of both is also tried together.
+            _ => {
+                let corners = |of: &Machine| scaled(of).into_iter().step_by(2);
+                let together = nearest(grid.iter().step_by(2).flatten().flat_map(corners), runs, whitenings);
+                let other = together.filter(|other| Some(other) != by_ramps.as_ref());
+                by_ramps.into_iter().chain(other).collect::<Vec<_>>()
+            }
         }
     };
-    let is_limited = plateaus.is_some_and(|seen| seen.limited_to_fastest(&plain).is_some());
-    let limits: &[bool] = if is_limited { &[false, true] } else { &[false] };
-    let blends = limits.iter().flat_map(|&has_limited_axes| {
-        let planner = Planner::AccelerationBlend;
-        [false, true].map(|keeps_tolerance| CandidateFamily { planner, keeps_tolerance, has_limited_axes })
+    candidates(&plain, plateaus).into_iter().flat_map(guess).collect()
+}
+
+/// Returns the families to be tried: blends with a contour tolerance and without, square corners with each cruise ratio, and
+/// all also with limits of velocity if a limit may have held them back.
+fn candidates(plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<CandidateFamily> {
+    let mut candidates = Vec::new();
+    for planner in Planner::ALL {
+        let is_limited = plateaus.is_some_and(|seen| seen.limited_to_fastest(planner, plain).is_some());
+        let limits: &[bool] = if is_limited { &[false, true] } else { &[false] };
+        let (tolerances, ratios): (&[bool], &[f64]) = match planner {
+            Planner::AccelerationBlend => (&[false, true], &[0.0]),
+            Planner::JunctionDeviation => (&[false], &[0.0]),
+            Planner::SquareCorner => (&[false], &CRUISE_RATIOS),
+        };
+        for &is_limited in limits {
+            for &keeps_tolerance in tolerances {
+                let of = |&cruise_ratio: &f64| CandidateFamily {
+                    planner,
+                    keeps_tolerance,
+                    is_limited,
+                    cruise_ratio,
+                };
+                candidates.extend(ratios.iter().map(of));
+            }
+        }
+    }
+    candidates
+}
+
+/// Returns the nearest of a fitted planner with scaled corners, accelerations and cruise ratios; `None` if that is the planner
+/// itself or its family blends corners in time, whose ways [`chosen_again`] tries.
+pub fn beside_minimum(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Option<Machine> {
+    let junction = machine.interpolator.junction;
+    if !matches!(junction, Junction::Deviation(_) | Junction::SquareCorner(_)) {
+        return None;
+    }
+    let own = machine.interpolator.minimum_cruise_ratio;
+    let others = if matches!(junction, Junction::SquareCorner(_)) { &CRUISE_RATIOS[..] } else { &[] };
+    let ratios = [own].into_iter().chain(others.iter().copied());
+    let with_ratio = ratios.map(|ratio| {
+        let mut of = machine.clone();
+        of.interpolator.minimum_cruise_ratio = ratio;
+        of
     });
-    let others = Planner::ALL.into_iter().filter(|planner| *planner != Planner::AccelerationBlend);
-    let plainly = |planner| CandidateFamily { planner, keeps_tolerance: false, has_limited_axes: false };
-    blends.chain(others.map(plainly)).filter_map(guess).collect()
+    let [accelerations, corners] = BESIDE_RATIOS;
+    let accelerated =
+        with_ratio.flat_map(|of| accelerations.map(|ratio| of.with_scaled_accelerations(ratio)));
+    let scaled = accelerated.flat_map(|of| corners.map(|ratio| of.with_scaled_junction(ratio)));
+    nearest([machine.clone()].into_iter().chain(scaled), runs, whitenings).filter(|other| other != machine)
 }
 
 /// Returns the machine with another way to blend corners if that is nearer to the runs; `None` if none is nearer or
@@ -127,11 +184,16 @@ fn with_rapids(
     });
     let plateaus = seen.map_or(told.to_vec(), |seen| vec![seen]);
     // Klipper's rapids are moves with a feedrate like any other; the others run each axis at its own rate.
+    // Its minimum cruise ratio also holds the velocity of rapids that are too short for their rate.
     let of = |seen: &RapidPlateaus| match family {
-        Planner::SquareCorner => seen.limited_along_path(planner, machine),
-        _ => seen.limited_by_axis(planner, machine),
+        Planner::SquareCorner => {
+            let unknown = RapidPlateaus { path: None, ..*seen };
+            let all = [Some(*seen), seen.path.map(|_| unknown)];
+            all.into_iter().flatten().map(|seen| seen.limited_along_path(planner, machine)).collect()
+        }
+        _ => vec![seen.limited_by_axis(planner, machine)],
     };
-    let mut machines: Vec<Machine> = plateaus.iter().map(of).collect();
+    let mut machines: Vec<Machine> = plateaus.iter().flat_map(of).collect();
     machines.iter_mut().for_each(|machine| limit_feed_as_rapids(machine, seen));
     machines
 }

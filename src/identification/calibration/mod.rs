@@ -299,7 +299,6 @@ fn at_own_noise(
     runs: &[Run],
     mut fitted: impl FnMut(&Machine, &[Whitening]) -> Fit,
 ) -> (Fit, Vec<Whitening>) {
-    let wander = |whitenings: &[Whitening]| whitenings.iter().map(|own| own.process_noise).sum::<f64>();
     let mut whitenings = whitened(start, runs);
     let mut best = fitted(start, &whitenings);
     for _ in 1..MAX_NOISE_ROUNDS {
@@ -311,6 +310,11 @@ fn at_own_noise(
         best = fitted(&best.machine, &whitenings);
     }
     (best, whitenings)
+}
+
+/// Returns the sum of the process noises of some whitenings: what a machine leaves.
+fn wander(whitenings: &[Whitening]) -> f64 {
+    whitenings.iter().map(|own| own.process_noise).sum()
 }
 
 /// The share of one of several fits in the progress.

@@ -4,8 +4,8 @@
 //! |---|---|
 //! | filters | time constants, contour tolerance, and of the laws taken in theirs |
 //! | acceleration blends | accelerations of axes, velocities of those that were held back, contour tolerance |
-//! | junction deviations | accelerations of axes, the deviation |
-//! | square-corner velocities | accelerations of path and axes, the velocity, minimum cruise ratio |
+//! | junction deviations | accelerations of axes, velocities of those that were held back, the deviation |
+//! | square-corner velocities | accelerations and velocities of the path and Z, the velocity at corners, minimum cruise ratio |
 //! | steps of velocity | the step, slowing angle, wait for position, path acceleration |
 //!
 //! All families free the jerk along the path, the centripetal acceleration and the parameters of rapids, unless these
@@ -50,6 +50,7 @@ pub fn motion(
         }
         let own = (0..3).filter(|axis| !is_limited_as_rapids(guess, *axis, plateaus));
         all.extend(own.filter_map(|axis| limit(parameters::AXIS_VELOCITY[axis])));
+        all.extend(limit(parameters::PATH_VELOCITY));
     } else if let Some((own, start)) = constant(constants).zip(constant(&guess.interpolator.time_constants)) {
         all.push((parameters::TIME_CONSTANT.calibrated(start), own * as_order));
     }

@@ -13,7 +13,7 @@ use crate::identification::calibration::rapid_moves::{
     PLATEAU_TOLERANCE_RATIO, RapidPeak, at_limit, plateau, rapid_moves,
 };
 use crate::identification::fit::Run;
-use crate::machine::{Junction, Machine};
+use crate::machine::{Junction, Machine, Planner};
 use crate::simulation::feed::limits;
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Vector};
@@ -48,6 +48,12 @@ pub struct RapidPlateaus {
     /// Velocity of each axis on lines that are cut: first on lines where the axis was held back below its
     /// programmed velocity, then on all others.
     pub cut: [[Option<f64>; 3]; 2],
+    /// Velocity along lines that are cut at one height, as in `cut`.
+    pub cut_along: [Option<f64>; 2],
+    /// Highest velocity along the path that feed moves reached repeatedly for a window, mm/s; 0 if there is none.
+    pub fastest_along: f64,
+    /// Highest programmed velocity of feed moves along the path, mm/s.
+    pub asked_along: f64,
     /// Highest velocity that each axis reached repeatedly for a window in feed moves of any form, mm/s; 0 if there
     /// is none.
     pub fastest_cut: [f64; 3],
@@ -150,6 +156,7 @@ impl RapidPlateaus {
             for (fastest, share) in self.fastest_asked.iter_mut().zip(shares.iter()) {
                 *fastest = fastest.max(asked * share);
             }
+            self.asked_along = self.asked_along.max(asked);
         }
         let distances = run.toolpath.distances();
         let is_feed = |fix: &Fix| {
@@ -157,6 +164,7 @@ impl RapidPlateaus {
             at < segments.len() && segments.motion(at) != Motion::Rapid
         };
         let mut speeds: [Vec<(f64, f64)>; 3] = Default::default();
+        let mut along = Vec::new();
         for fixes in run.alignment.fixes.windows(window + 1).step_by(window.div_ceil(2)) {
             let (Some(first), Some(last)) = (fixes[0].sample, fixes[window].sample) else { continue };
             if last - first == window && fixes.iter().all(is_feed) {
@@ -164,18 +172,27 @@ impl RapidPlateaus {
                 for (axis, speeds) in speeds.iter_mut().enumerate() {
                     speeds.push((track.time[first], velocity[axis].abs()));
                 }
+                along.push((track.time[first], velocity.norm()));
             }
         }
         for (fastest, speeds) in self.fastest_cut.iter_mut().zip(&speeds) {
             *fastest = fastest.max(ceiling(speeds));
         }
+        self.fastest_along = self.fastest_along.max(ceiling(&along));
     }
 
-    /// Returns the machine in which axes that were programmed to be faster are limited to their highest recorded
-    /// velocity; `None` if there are none. A ramp may also have kept an axis below its programmed velocity, so the
-    /// machine is only a start for comparison.
-    pub fn limited_to_fastest(&self, machine: &Machine) -> Option<Machine> {
+    /// Returns the machine in which axes, or the path on a control that limits that instead, were programmed to be faster and
+    /// are limited to their highest recorded velocity; `None` if there are none. A ramp may also have kept an axis below its
+    /// programmed velocity, so the machine is only a start for comparison.
+    pub fn limited_to_fastest(&self, planner: Planner, machine: &Machine) -> Option<Machine> {
         let mut limited = machine.clone();
+        if planner == Planner::SquareCorner {
+            let is_limit = 0.0 < self.fastest_along
+                && self.fastest_along < MAX_HELD_BACK_RATIO * self.asked_along
+                && self.fastest_along < machine.path.velocity;
+            limited.path.velocity = self.fastest_along;
+            return is_limit.then_some(limited);
+        }
         for (axis, (fastest, asked)) in
             limited.axes.iter_mut().zip(self.fastest_cut.iter().zip(self.fastest_asked))
         {
@@ -205,18 +222,32 @@ impl RapidPlateaus {
         let axis = velocities[1].iamax();
         let asked = limits::requested_feedrate(line, &Machine::default()) * line.tangent(0.0)[axis].abs();
         let found = plateau(velocities.map(|velocity| velocity[axis].abs()));
-        let is_held_back = found.is_some_and(|found| found < MAX_HELD_BACK_RATIO * asked);
-        faster(&mut self.cut[usize::from(!is_held_back)][axis], found);
+        let place = |found: Option<f64>, asked: f64| {
+            usize::from(!found.is_some_and(|found| found < MAX_HELD_BACK_RATIO * asked))
+        };
+        faster(&mut self.cut[place(found, asked)][axis], found);
+        // A line that rises may be held back by Z.
+        if line.tangent(0.0)[2] == 0.0 {
+            let asked = limits::requested_feedrate(line, &Machine::default());
+            let found = plateau(velocities.map(|velocity| velocity.norm()));
+            faster(&mut self.cut_along[place(found, asked)], found);
+        }
     }
 
-    /// Limits the axes that were held back where they cut, and their rapids with them: such a limit is one of the
-    /// axis.
-    pub fn limit_feed(&self, machine: &mut Machine) {
-        let [held_back, free] = self.cut;
-        for (axis, (held_back, free)) in machine.axes.iter_mut().zip(held_back.into_iter().zip(free)) {
-            if let Some(most) = held_back
-                .filter(|most| free.is_none_or(|free| (1.0 - PLATEAU_TOLERANCE_RATIO) * free <= *most))
-            {
+    /// Limits the axes that were held back where they cut, and their rapids with them: such a limit is one of the axis.
+    /// A control with a limit along the path has that and one of Z instead.
+    pub fn limit_feed(&self, planner: Planner, machine: &mut Machine) {
+        let limit = |[held_back, free]: [Option<f64>; 2]| {
+            let slowest = free.map_or(0.0, |free| (1.0 - PLATEAU_TOLERANCE_RATIO) * free);
+            held_back.filter(|most| slowest <= *most)
+        };
+        let is_along_path = planner == Planner::SquareCorner;
+        if let Some(most) = limit(self.cut_along).filter(|_| is_along_path) {
+            machine.path.velocity = most;
+        }
+        let axes = machine.axes.iter_mut().enumerate().skip(if is_along_path { 2 } else { 0 });
+        for (at, axis) in axes {
+            if let Some(most) = limit(self.cut.map(|axes| axes[at])) {
                 (axis.velocity, axis.rapid) = (most, axis.rapid.min(most));
             }
         }
@@ -242,11 +273,15 @@ impl RapidPlateaus {
         limited
     }
 
-    /// Returns the machine whose rapids are limited along the path, as on the plateaus, or else as in the machine file.
+    /// Returns the machine whose rapids are limited along the path, as on the plateaus, or else as in the machine file, and by
+    /// Z if that is slower.
     pub fn limited_along_path(&self, machine: &Machine, file: &Machine) -> Machine {
         let mut limited = machine.clone();
-        limited.rapid.feedrate = self.path.unwrap_or(file.fastest_rapid());
+        let along_path = self.path.unwrap_or(file.fastest_rapid());
+        limited.rapid.feedrate = along_path;
         limited.axes.iter_mut().for_each(|axis| axis.rapid = f64::INFINITY);
+        let is_slower = |own: &f64| *own < (1.0 - 2.0 * PLATEAU_TOLERANCE_RATIO) * along_path;
+        limited.axes[2].rapid = self.axes[2].filter(is_slower).unwrap_or(f64::INFINITY);
         limited
     }
 }
