@@ -98,6 +98,11 @@ impl Adjustable {
         self.free(own, (low.max(least.min(own)), high))
     }
 
+    /// Returns the free parameter for a value that is known to differ from `own` (core units) by at most the factor `ratio`.
+    pub fn near(&self, own: f64, ratio: f64) -> FreeParameter {
+        self.free(own, (own / ratio, own * ratio))
+    }
+
     fn free(&self, start: f64, bounds: (f64, f64)) -> FreeParameter {
         let mut freed = FreeParameter::new(self.handle(), start, bounds, self.scale);
         freed.exactness = self.exactness;
