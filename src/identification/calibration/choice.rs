@@ -93,7 +93,7 @@ impl<'a> Fitting<'a> {
         self.try_assumed_accelerations(&mut model);
         self.try_steps_at_corners(&mut model);
         self.drop_idle_limits(&mut model);
-        self.drop_idle_path_rate(&mut model);
+        self.drop_idle_rapid_rates(&mut model);
         (model, orders)
     }
 
@@ -123,20 +123,27 @@ impl<'a> Fitting<'a> {
         }
     }
 
-    /// Gives the rapids of a planner with a minimum cruise ratio the rate of the machine file if the runs do not contradict
-    /// that: such a planner also holds the velocity of rapids that are too short for their rate.
-    fn drop_idle_path_rate(&mut self, model: &mut Model) {
-        let has_cruise_ratio = 0.0 < model.best.machine.interpolator.minimum_cruise_ratio;
-        let held = self.plateaus.filter(|seen| has_cruise_ratio && seen.path.is_some());
-        let Some(seen) = held else { return };
-        let without = RapidPlateaus { path: None, ..seen };
-        self.plateaus = Some(without);
-        let start = without.limited_along_path(&model.best.machine, self.machine);
-        let best = self.fit(&start, model.order, &model.whitenings, FTOL);
-        if best.cost < model.best.cost + MIN_CONTRADICTING_COST {
-            model.best = best;
-        } else {
-            self.plateaus = held;
+    /// Takes the rate of Z, then that along the path, from the rapids of a planner with a minimum cruise ratio if the runs do
+    /// not contradict that: such a planner also holds the velocity of rapids that are too short for their rate.
+    fn drop_idle_rapid_rates(&mut self, model: &mut Model) {
+        let without_z =
+            |seen: RapidPlateaus| RapidPlateaus { axes: [seen.axes[0], seen.axes[1], None], ..seen };
+        let without_path = |seen: RapidPlateaus| RapidPlateaus { path: None, ..seen };
+        for drop in [without_z, without_path] {
+            let has_cruise_ratio = 0.0 < model.best.machine.interpolator.minimum_cruise_ratio;
+            let Some(seen) = self.plateaus.filter(|_| has_cruise_ratio) else { return };
+            let without = drop(seen);
+            if without == seen {
+                continue;
+            }
+            self.plateaus = Some(without);
+            let start = without.limited_along_path(&model.best.machine, self.machine);
+            let best = self.fit(&start, model.order, &model.whitenings, FTOL);
+            if best.cost < model.best.cost + MIN_CONTRADICTING_COST {
+                model.best = best;
+            } else {
+                self.plateaus = Some(seen);
+            }
         }
     }
 
