@@ -14,8 +14,10 @@ use crate::machine::{Junction, Machine, Planner};
 /// Minimum cruise ratios from which fits begin: the default one of Klipper, and a small one, since a fit that begins without
 /// one keeps none.
 const CRUISE_RATIOS: [f64; 2] = [0.5, 0.1];
-/// Ratios by which the accelerations, and the law of corners, of a fitted planner are scaled to leave a local minimum.
-const BESIDE_RATIOS: [[f64; 3]; 2] = [[0.6, 1.0, 1.6], [0.4, 1.0, 2.5]];
+/// Ratios by which the accelerations of a fitted planner are scaled to leave a local minimum.
+const BESIDE_ACCELERATION_RATIOS: [f64; 3] = [0.6, 1.0, 1.6];
+/// Ratios by which the value of its junction law is scaled at the same time.
+const BESIDE_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
 
 /// A family of planners as a calibration tries it.
 #[derive(Clone, Copy)]
@@ -126,10 +128,10 @@ pub fn beside_minimum(machine: &Machine, runs: &[Run], whitenings: &[Whitening])
         of.interpolator.minimum_cruise_ratio = ratio;
         of
     });
-    let [accelerations, corners] = BESIDE_RATIOS;
     let accelerated =
-        with_ratio.flat_map(|of| accelerations.map(|ratio| of.with_scaled_accelerations(ratio)));
-    let scaled = accelerated.flat_map(|of| corners.map(|ratio| of.with_scaled_junction(ratio)));
+        with_ratio.flat_map(|of| BESIDE_ACCELERATION_RATIOS.map(|ratio| of.with_scaled_accelerations(ratio)));
+    let scaled =
+        accelerated.flat_map(|of| BESIDE_JUNCTION_RATIOS.map(|ratio| of.with_scaled_junction(ratio)));
     nearest([machine.clone()].into_iter().chain(scaled), runs, whitenings).filter(|other| other != machine)
 }
 

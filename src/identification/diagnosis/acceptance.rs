@@ -237,3 +237,23 @@ pub fn is_at_bound(candidate: &Candidate) -> bool {
             *value <= low * (1.0 + MAX_UNCHANGED_RATIO) || high * (1.0 - MAX_UNCHANGED_RATIO) <= *value
         })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::effects::library;
+
+    #[test]
+    fn a_lower_limit_that_saves_time_is_no_cause() {
+        let machine = Machine::default();
+        let hypotheses = library(&machine, &[]);
+        let is_path = |hypothesis: &Hypothesis| hypothesis.effect.id_on(None) == "path_acceleration_limit";
+        let along_path = hypotheses.into_iter().find(is_path).expect("the library has it");
+        let candidate = Candidate::read_off(along_path, 500.0, 1.0);
+        assert!(is_limit_that_saves(&candidate, &machine, -0.01));
+        assert!(!is_limit_that_saves(&candidate, &machine, 0.01));
+        let mut slower = machine.clone();
+        slower.path.acceleration = 400.0;
+        assert!(!is_limit_that_saves(&candidate, &slower, -0.01));
+    }
+}

@@ -11,8 +11,8 @@
 //! The feed override that LinuxCNC plans for decides how widely it blends corners that no tolerance limits, and at which
 //! tangents it stops in exact path mode (G61). Other corners do not show this override.
 //!
-//! A program with few corners, or with slow ones, shows the law of a planner's corners to some ten per cent only, and chains
-//! of short lines of another program depend on it strongly. So the law may differ by [`CORNER_LAW_RATIO`] there.
+//! A program with few corners, or with slow ones, shows the junction law of a planner to some ten per cent only, and chains
+//! of short lines of another program depend on it strongly. So that law may differ by [`JUNCTION_LAW_RATIO`] there.
 //!
 //! Limits: a change of an assumed value after the calibration cannot be seen, nor a limit that was raised, nor such a small
 //! change of the corners.
@@ -27,7 +27,7 @@ use crate::machine::{Junction, Machine};
 
 /// Largest ratio between the value by which a planner slows corners, as other programs may show it, and the calibrated one: of
 /// 20 calibrations of development data half were within 5 % of the true value, and the farthest off by a factor of 1.5.
-const CORNER_LAW_RATIO: f64 = 1.5;
+const JUNCTION_LAW_RATIO: f64 = 1.5;
 
 /// Returns the machine with the values that its calibration had assumed replaced by those that the runs show, and
 /// without limits that the runs exceed. `None` if there are none of both, or if the runs do not show them.
@@ -42,7 +42,7 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
     let is_exact_path = |run: &Run| run.toolpath.segments.iter().any(|segment| segment.exact_path);
     let shows_override = machine.calibrated_on.largest_override.is_some()
         || machine.interpolator.junction.blends_in_time() && runs.iter().any(is_exact_path);
-    let corners = corner_law(machine);
+    let corners = junction_law(machine);
     let count = assumed(machine).len()
         + exceeded
         + waits.len()
@@ -71,14 +71,14 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
 
 /// Returns the value by which a planner slows corners, within what other programs may show; `None` if corners have another
 /// law.
-fn corner_law(machine: &Machine) -> Option<FreeParameter> {
+fn junction_law(machine: &Machine) -> Option<FreeParameter> {
     let parameter = match machine.interpolator.junction {
         Junction::Deviation(_) => JUNCTION_DEVIATION,
         Junction::SquareCorner(_) => SQUARE_CORNER_VELOCITY,
         _ => return None,
     };
     let own = parameter.handle().get(machine)?;
-    Some(parameter.near(own, CORNER_LAW_RATIO))
+    Some(parameter.near(own, JUNCTION_LAW_RATIO))
 }
 
 /// Returns the waits at the M-words that no calibrating program has, each with its first guess.
