@@ -8,8 +8,8 @@
 //!
 //! ```text
 //! cargo run --release --example controller -- record --seed 1 --programs 12 --changes 3 --out DIR
-//!     [--control grbl] [--kinds backlash,servo_lag --recorder ../shared/recorders/linuxcnc/record.py --jobs 2 --nice 10]
-//! cargo run --release --example controller -- probe DIR [--preset M.toml --recorder … --jobs 2]
+//!     [--control grbl --kinds backlash,servo_lag --recorder ../shared/recorders/linuxcnc/record.py --jobs 2 --nice 10]
+//! cargo run --release --example controller -- probe DIR [--control grbl --preset M.toml --recorder … --jobs 2]
 //! cargo run --release --example controller -- score DIR --out REPORTS
 //!     [--truefeed target/release/truefeed --preset M.toml --jobs 2]
 //! ```

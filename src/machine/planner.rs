@@ -34,7 +34,7 @@ const KLIPPER_SQUARE_CORNER_MM_S: f64 = 5.0;
 /// Default length of the chords of arcs in Klipper, mm.
 const KLIPPER_CHORD_MM: f64 = 0.1;
 /// Default minimum cruise ratio of Klipper.
-const KLIPPER_MIN_CRUISE_RATIO: f64 = 0.5;
+pub const KLIPPER_MIN_CRUISE_RATIO: f64 = 0.5;
 
 impl Planner {
     /// All families.

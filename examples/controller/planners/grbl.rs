@@ -2,8 +2,8 @@
 //! look-ahead as its buffer holds.
 //!
 //! v² = a δ sin(θ/2) / (1 − sin(θ/2)) at a corner, θ the angle between the lines, a the acceleration along their bisector
-//! (`planner.c`). Velocity is constant within segments of 10 ms, and the step timer counts one cycle more than it is told
-//! (`stepper.c`).
+//! (`planner.c`). Velocity is constant within segments of 10 ms, and each interval of the step timer is one cycle longer
+//! than it was set (`stepper.c`).
 
 use super::piece::{Piece, ramps};
 use super::reader::{Block, Item, Reading, limit_along};
@@ -62,7 +62,7 @@ pub fn run(items: &[Item], settings: &Settings) -> Vec<Piece> {
         match item {
             Item::Move(block) => {
                 control.runs(number, block);
-                at = Piece::of(block, block.length, 0.0, 0.0, 0.0).from;
+                at = block.point(block.length);
             }
             Item::Rest { seconds, line } => control.adds(Piece::rest(at, *seconds, *line)),
         }
@@ -129,7 +129,7 @@ impl Control<'_> {
         change.min(self.hold.map_or(f64::INFINITY, |hold| hold.0))
     }
 
-    /// Does what the operator has asked for by now.
+    /// Applies the overrides and the hold whose time has come.
     fn obeys(&mut self) {
         while let Some((_, ratio)) = self.overrides.first().filter(|change| change.0 <= self.time) {
             self.feed_override = *ratio;
@@ -147,8 +147,7 @@ impl Control<'_> {
         while block.length - done > 1e-9 {
             self.obeys();
             if let Some(until) = self.held_until.filter(|_| self.velocity < 1e-9) {
-                let at = Piece::of(block, done, 0.0, 0.0, 0.0).from;
-                self.adds(Piece::rest(at, (until - self.time).max(0.0), block.line));
+                self.adds(Piece::rest(block.point(done), (until - self.time).max(0.0), block.line));
                 self.held_until = None;
             }
             let (cruise, exit) = match self.held_until {
@@ -174,7 +173,7 @@ impl Control<'_> {
     }
 }
 
-/// Cuts each block into segments of constant velocity, whose time is what the step timer makes of it.
+/// Cuts each block into segments of constant velocity, each longer by the error of the step timer.
 fn in_segments(pieces: &[Piece]) -> Vec<Piece> {
     let mut segments: Vec<Piece> = Vec::new();
     let mut open: Option<(Piece, f64)> = None;

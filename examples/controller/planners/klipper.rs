@@ -29,7 +29,7 @@ struct Planned<'a> {
     /// The highest at its start that the corner and the blocks before it allow; at `acceleration` and at the lower one.
     start: f64,
     smoothed_start: f64,
-    /// What the block can change it by, at either acceleration.
+    /// Largest change of the squared velocity along the block, at each of the two accelerations.
     change: f64,
     smoothed_change: f64,
 }
@@ -79,7 +79,7 @@ fn planned(items: &[Item], settings: &Settings, ratio: impl Fn(i64) -> f64) -> V
             Item::Move(block) => {
                 let next = enters(block, queue.last(), settings, ratio(block.line));
                 queue.push(next);
-                at = Piece::of(block, block.length, 0.0, 0.0, 0.0).from;
+                at = block.point(block.length);
             }
             Item::Rest { seconds, line } => {
                 flush(&mut queue, &mut pieces);

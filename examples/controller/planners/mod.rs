@@ -1,5 +1,5 @@
-//! Two controls that need no recorder: their planners, written from what their manuals and sources say and sharing no
-//! code with the predictor. `tests.rs` holds them against recordings of the real software.
+//! The planners of two controls, which need no recorder. They follow the manuals and sources of grbl and Klipper and share
+//! no code with the predictor. `tests.rs` compares them with recordings of the real software.
 //!
 //! Both plan straight blocks at constant acceleration along the path. A program becomes [`Item`]s, these become
 //! [`Piece`]s of constant acceleration, and those are sampled.

@@ -27,7 +27,7 @@ impl Piece {
     pub fn of(block: &Block, done: f64, velocity: f64, acceleration: f64, seconds: f64) -> Piece {
         Piece {
             seconds,
-            from: std::array::from_fn(|axis| block.from[axis] + done * block.direction[axis]),
+            from: block.point(done),
             direction: block.direction,
             velocity,
             acceleration,

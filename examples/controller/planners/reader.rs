@@ -10,12 +10,17 @@ pub struct Block {
     pub from: [f64; 3],
     pub length: f64,
     pub direction: [f64; 3],
-    /// mm/s; none where a rapid has none.
+    /// The programmed feedrate, mm/s; `None` for a rapid at the rate of the machine.
     pub feed: Option<f64>,
     pub line: i64,
 }
 
 impl Block {
+    /// The point `done` mm behind its start.
+    pub fn point(&self, done: f64) -> [f64; 3] {
+        std::array::from_fn(|axis| self.from[axis] + done * self.direction[axis])
+    }
+
     /// The largest value along the block that keeps each axis within its own.
     pub fn along(&self, by_axis: &[f64; 3]) -> f64 {
         limit_along(&self.direction, by_axis)

@@ -1,4 +1,4 @@
-//! What is set on a control, by the options that the recorder of LinuxCNC takes, and a few of the planners' own.
+//! The settings of a control. Options set them, named as those of LinuxCNC's recorder, with a few more for these planners.
 
 use crate::Refusal;
 use crate::machine::AXES;

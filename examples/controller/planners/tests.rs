@@ -23,14 +23,14 @@ use crate::words::Manner;
 
 use super::settings::Settings;
 
-/// How far a run may be off, as a part: the recordings have rows every 4 ms, and grbl is told of overrides in steps.
+/// Largest relative error of the time of a run: the recordings have rows every 4 ms, and grbl's overrides came in steps.
 const WITHIN: f64 = 0.002;
 
 fn folder(control: &str) -> PathBuf {
     PathBuf::from("../shared/recordings").join(control)
 }
 
-/// The settings of a run by its answer; none where a place is known by line alone.
+/// Returns the settings of a run from its answer; `None` if the answer says only on which line something changed.
 fn settings(control: &str, answer: &Value) -> Option<Settings> {
     let mut settings = Settings::default();
     let number = |key: &str| answer["parameters"][key].as_f64();
@@ -138,7 +138,7 @@ fn slow_corners_of_klipper_are_not_taken_for_gentle_ramps() {
     assert!((found.path.acceleration / 1700.0 - 1.0).abs() < 0.05, "{} mm/s²", found.path.acceleration);
 }
 
-/// Z has limits of its own on Klipper.
+/// Klipper limits Z separately.
 #[test]
 fn rapids_of_klipper_are_slower_along_z() {
     let truth = Settings {

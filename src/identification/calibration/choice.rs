@@ -246,11 +246,7 @@ impl<'a> Fitting<'a> {
         let with_filters = cost_of(&model.best.machine, self.runs, &planner.whitenings);
         // Filters shorter than a cycle of the control shape no ramp, so the control is a planner.
         let delay = model.best.machine.interpolator.filter_delay(0.0);
-        let most = if delay < MIN_FILTER_DELAY_S {
-            with_filters - MIN_CONTRADICTING_COST
-        } else {
-            (1.0 - BETTER_FAMILY) * with_filters
-        };
+        let most = max_cost(with_filters, MIN_FILTER_DELAY_S <= delay);
         if planner.best.cost < most && self.can_distinguish(&planner.best.machine, &model.best.machine) {
             *model = planner;
         }
@@ -290,11 +286,7 @@ impl<'a> Fitting<'a> {
             [planner, earlier].map(|model| cost_of(&model.best.machine, self.runs, &quieter.whitenings));
         let has_more = earlier.best.values.len() < planner.best.values.len();
         let blends = planner.best.machine.interpolator.junction.blends_in_time();
-        let most = if has_more || blends && is_same_family(planner, earlier) {
-            (1.0 - BETTER_FAMILY) * before
-        } else {
-            before - MIN_CONTRADICTING_COST
-        };
+        let most = max_cost(before, has_more || blends && is_same_family(planner, earlier));
         cost < most && self.can_distinguish(&planner.best.machine, &earlier.best.machine)
     }
 
@@ -351,7 +343,13 @@ impl<'a> Fitting<'a> {
     }
 }
 
-/// Returns `true` if two planners have one law of corners; all ways to blend them are one.
+/// Returns the largest cost at which a model takes the place of another one, whose cost is `before`: by far, or so that the
+/// runs contradict the other one.
+fn max_cost(before: f64, by_far: bool) -> f64 {
+    if by_far { (1.0 - BETTER_FAMILY) * before } else { before - MIN_CONTRADICTING_COST }
+}
+
+/// Returns `true` if two planners have the same junction law; all ways to blend corners count as one.
 fn is_same_family(one: &Model, other: &Model) -> bool {
     let [one, other] = [one, other].map(|model| model.best.machine.interpolator.junction);
     std::mem::discriminant(&one) == std::mem::discriminant(&other)

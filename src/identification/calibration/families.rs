@@ -9,15 +9,15 @@ use crate::identification::calibration::nearest;
 use crate::identification::calibration::rapids::{RapidPlateaus, limit_feed_as_rapids};
 use crate::identification::effects::parameters::{JUNCTION_RATIOS, MAX_OVERRIDE, PLANNER_ACCELERATION};
 use crate::identification::fit::{Run, Whitening};
-use crate::machine::{Junction, Machine, Planner};
+use crate::machine::{Junction, KLIPPER_MIN_CRUISE_RATIO, Machine, Planner};
 
-/// Minimum cruise ratios from which fits begin: the default one of Klipper, and a small one, since a fit that begins without
-/// one keeps none.
-const CRUISE_RATIOS: [f64; 2] = [0.5, 0.1];
-/// Ratios by which the accelerations of a fitted planner are scaled to leave a local minimum.
-const BESIDE_ACCELERATION_RATIOS: [f64; 3] = [0.6, 1.0, 1.6];
-/// Ratios by which the value of its junction law is scaled at the same time.
-const BESIDE_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
+/// Initial values of the minimum cruise ratio in fits: Klipper's default, and a small value, because a fit does not free a
+/// ratio of 0.
+const INITIAL_CRUISE_RATIOS: [f64; 2] = [KLIPPER_MIN_CRUISE_RATIO, 0.1];
+/// Ratios of the accelerations in a restart to those of the fit before it, which may be a local minimum.
+const RESTART_ACCELERATION_RATIOS: [f64; 3] = [0.6, 1.0, 1.6];
+/// Ratios of the value of the junction law in a restart to that of the fit before it.
+const RESTART_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
 
 /// A family of planners as a calibration tries it.
 #[derive(Clone, Copy)]
@@ -96,7 +96,7 @@ fn candidates(plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<Candidate
         let (tolerances, ratios): (&[bool], &[f64]) = match planner {
             Planner::AccelerationBlend => (&[false, true], &[0.0]),
             Planner::JunctionDeviation => (&[false], &[0.0]),
-            Planner::SquareCorner => (&[false], &CRUISE_RATIOS),
+            Planner::SquareCorner => (&[false], &INITIAL_CRUISE_RATIOS),
         };
         for &is_limited in limits {
             for &keeps_tolerance in tolerances {
@@ -121,17 +121,17 @@ pub fn beside_minimum(machine: &Machine, runs: &[Run], whitenings: &[Whitening])
         return None;
     }
     let own = machine.interpolator.minimum_cruise_ratio;
-    let others = if matches!(junction, Junction::SquareCorner(_)) { &CRUISE_RATIOS[..] } else { &[] };
+    let others = if matches!(junction, Junction::SquareCorner(_)) { &INITIAL_CRUISE_RATIOS[..] } else { &[] };
     let ratios = [own].into_iter().chain(others.iter().copied());
     let with_ratio = ratios.map(|ratio| {
         let mut of = machine.clone();
         of.interpolator.minimum_cruise_ratio = ratio;
         of
     });
-    let accelerated =
-        with_ratio.flat_map(|of| BESIDE_ACCELERATION_RATIOS.map(|ratio| of.with_scaled_accelerations(ratio)));
+    let accelerated = with_ratio
+        .flat_map(|of| RESTART_ACCELERATION_RATIOS.map(|ratio| of.with_scaled_accelerations(ratio)));
     let scaled =
-        accelerated.flat_map(|of| BESIDE_JUNCTION_RATIOS.map(|ratio| of.with_scaled_junction(ratio)));
+        accelerated.flat_map(|of| RESTART_JUNCTION_RATIOS.map(|ratio| of.with_scaled_junction(ratio)));
     nearest([machine.clone()].into_iter().chain(scaled), runs, whitenings).filter(|other| other != machine)
 }
 

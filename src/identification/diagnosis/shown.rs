@@ -25,8 +25,8 @@ use crate::identification::effects::parameters::{JUNCTION_DEVIATION, MAX_OVERRID
 use crate::identification::fit::{FTOL, FreeParameter, Run, fit};
 use crate::machine::{Junction, Machine};
 
-/// Largest ratio between the value by which a planner slows corners, as other programs may show it, and the calibrated one: of
-/// 20 calibrations of development data half were within 5 % of the true value, and the farthest off by a factor of 1.5.
+/// Largest ratio between the calibrated value of a junction law and its value in the recording of another program: of 20
+/// calibrations of development data, half were within 5 % of the true value, and the worst was off by a factor of 1.5.
 const JUNCTION_LAW_RATIO: f64 = 1.5;
 
 /// Returns the machine with the values that its calibration had assumed replaced by those that the runs show, and
@@ -69,8 +69,8 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
     (price(runs, count) < fine.cost(machine) - fine.cost(&found)).then_some(found)
 }
 
-/// Returns the value by which a planner slows corners, within what other programs may show; `None` if corners have another
-/// law.
+/// Returns the free parameter for the value of the junction law, within [`JUNCTION_LAW_RATIO`] of the calibrated one; `None` if
+/// the junction law is not that of grbl or Klipper.
 fn junction_law(machine: &Machine) -> Option<FreeParameter> {
     let parameter = match machine.interpolator.junction {
         Junction::Deviation(_) => JUNCTION_DEVIATION,
