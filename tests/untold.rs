@@ -241,6 +241,28 @@ fn a_rapid_that_no_run_showed_is_taken_from_the_recording_and_is_no_cause() {
     assert!(rapids[..2].iter().all(|rapid| (rapid / 50.0 - 1.0).abs() < 0.01), "{rapids:?} mm/s");
 }
 
+/// Plunges with a rapid of 7 mm back, which reaches no rate.
+fn plunges() -> String {
+    let plunge = |at: u32| format!("G1 Z-2 F300\nX{} F{}\nG0 Z5\n", 9 * (at % 2), 900 + 300 * (at % 4));
+    format!("G21 G90\nG64 P0.01\nG0 Z5\n{}M30\n", (1..12).map(plunge).collect::<String>())
+}
+
+#[test]
+fn a_slower_axis_and_an_override_of_rapids_are_alike_where_no_rapid_rate_is_known() {
+    let mut fast = truth();
+    fast.axes.iter_mut().for_each(|axis| axis.rapid = 70.0);
+    let machine = calibrated_on_run(&plunges(), &fast);
+    assert_eq!(machine.calibrated_on.assumed_rapids, [true; 3]);
+    let mut changed = fast.clone();
+    changed.overrides.rapid = 0.4;
+    let diagnosis = diagnosed(&machine, &plunges(), &changed);
+    let [cause] = &diagnosis.causes[..] else { panic!("{:?}", diagnosis.causes) };
+    let ids = [&[cause.candidate.hypothesis.effect.id_on(None)], &cause.alike[..]].concat();
+    for id in ["axis_velocity_limit", "rapid_override"] {
+        assert!(ids.iter().any(|own| own.starts_with(id)), "{id} is not among {ids:?}");
+    }
+}
+
 /// Retracts too short for a plateau of 60 ms, from two depths.
 fn letters() -> String {
     let letter = |at: u32| {

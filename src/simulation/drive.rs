@@ -25,8 +25,11 @@
 //! Source: the usual models, as in vendors' manuals; the compensation as LinuxCNC makes it (control.c,
 //! `compute_screw_comp`). Limits: no friction, no coupling between axes, no feedforward.
 
+use std::borrow::Cow;
+
 use crate::machine::{Axis, Machine, StructuralMode};
 use crate::simulation::profile::Samples;
+use crate::simulation::sampled::rows_around;
 
 /// Returns the actual motion of a machine from the commanded profile.
 ///
@@ -55,27 +58,66 @@ pub fn actual_motion(commanded: &Samples, machine: &Machine) -> Samples {
     let finest = machine.axes.iter().map(longest_spacing).fold(f64::INFINITY, f64::min);
     let settling = machine.axes.iter().map(settling_time).fold(0.0, f64::max);
     let mut actual = refined(commanded, finest, settling);
-    for (axis, machine_axis) in machine.axes.iter().enumerate() {
-        let position = &mut actual.position[axis];
-        let velocity = &mut actual.velocity[axis];
-        if 0.0 < machine_axis.backlash_compensation {
-            compensate(&actual.time, position, velocity, machine_axis);
-        }
-        if 0.0 < machine_axis.servo_lag {
-            lag(&actual.time, position, velocity, machine_axis.servo_lag);
-        }
-        if let Some(mode) = machine_axis.mode {
-            vibrate(&actual.time, position, velocity, mode);
-        }
-        if 0.0 < machine_axis.backlash {
-            cross_play(position, velocity, machine_axis.backlash);
-        }
+    for (axis, own) in machine.axes.iter().enumerate() {
+        follow_drives(&actual.time, &mut actual.position[axis], &mut actual.velocity[axis], own);
     }
-    for row in 0..actual.time.len() {
-        let [x, y, z] = [0, 1, 2].map(|axis: usize| actual.velocity[axis][row]);
-        actual.feedrate[row] = x.hypot(y).hypot(z);
-    }
+    let [x, y, z] = &actual.velocity;
+    actual.feedrate = x.iter().zip(y).zip(z).map(|((x, y), z)| x.hypot(*y).hypot(*z)).collect();
     actual
+}
+
+/// The actual motion of one axis. An axis without drives moves as commanded.
+pub struct AxisMotion<'a> {
+    time: Cow<'a, [f64]>,
+    position: Cow<'a, [f64]>,
+    velocity: Cow<'a, [f64]>,
+}
+
+impl AxisMotion<'_> {
+    /// Returns the actual motion of the axis `axis` (0 to 2) of a machine from the commanded profile, in rows as close as this
+    /// axis alone needs them.
+    pub fn of<'a>(commanded: &'a Samples, machine: &Machine, axis: usize) -> AxisMotion<'a> {
+        let own = &machine.axes[axis];
+        if !own.has_drive() {
+            return AxisMotion {
+                time: Cow::Borrowed(&commanded.time),
+                position: Cow::Borrowed(&commanded.position[axis]),
+                velocity: Cow::Borrowed(&commanded.velocity[axis]),
+            };
+        }
+        let mut motion = (Vec::new(), Vec::new(), Vec::new());
+        let (time, position, velocity) = (&mut motion.0, &mut motion.1, &mut motion.2);
+        for row in refined_rows(&commanded.time, longest_spacing(own), settling_time(own)) {
+            let (at, speed) = row.motion(commanded, axis);
+            time.push(row.time(&commanded.time));
+            position.push(at);
+            velocity.push(speed);
+        }
+        follow_drives(time, position, velocity, own);
+        AxisMotion { time: motion.0.into(), position: motion.1.into(), velocity: motion.2.into() }
+    }
+
+    /// Returns position (mm) and velocity (mm/s) at a time (s), as [`Samples::motion_at`].
+    pub fn at(&self, time: f64, row: &mut usize) -> (f64, f64) {
+        let rows = rows_around(&self.time, time, row);
+        rows.map_or((0.0, 0.0), |rows| rows.motion(&self.time, &self.position, &self.velocity))
+    }
+}
+
+/// Applies the drives of an axis to its commanded columns, time in s, position in mm and velocity in mm/s.
+fn follow_drives(time: &[f64], position: &mut [f64], velocity: &mut [f64], axis: &Axis) {
+    if 0.0 < axis.backlash_compensation {
+        compensate(time, position, velocity, axis);
+    }
+    if 0.0 < axis.servo_lag {
+        lag(time, position, velocity, axis.servo_lag);
+    }
+    if let Some(mode) = axis.mode {
+        vibrate(time, position, velocity, mode);
+    }
+    if 0.0 < axis.backlash {
+        cross_play(position, velocity, axis.backlash);
+    }
 }
 
 /// Returns the widest spacing of rows that resolves the compensation, the lag and the vibration of an axis, s.
@@ -115,41 +157,70 @@ fn angular(mode: StructuralMode) -> f64 {
     2.0 * std::f64::consts::PI * mode.frequency
 }
 
-/// Returns the profile with rows inserted where they are farther apart than `spacing` (s), until `settling`
-/// (s) after a row.
+/// A row of a refined profile: a row of the profile, or one inserted before it.
+#[derive(Clone, Copy)]
+struct RefinedRow {
+    /// Row of the profile, at or after this one.
+    row: usize,
+    /// Time since the row before, s, and the part of the way from it; `None` at a row of the profile.
+    inserted: Option<(f64, f64)>,
+}
+
+impl RefinedRow {
+    /// Returns the time of the row, given those of the profile, s.
+    fn time(&self, time: &[f64]) -> f64 {
+        self.inserted.map_or(time[self.row], |(elapsed, _)| time[self.row - 1] + elapsed)
+    }
+
+    /// Returns the value of a column on the straight line between the rows of the profile.
+    fn between(&self, column: &[f64]) -> f64 {
+        let Some((_, part)) = self.inserted else { return column[self.row] };
+        column[self.row - 1] + (column[self.row] - column[self.row - 1]) * part
+    }
+
+    /// Returns the row of the profile that has the line number of this one.
+    fn line(&self) -> usize {
+        self.row - usize::from(self.inserted.is_some())
+    }
+
+    /// Returns position (mm) and velocity (mm/s) of an axis on the cubic between the rows of the profile.
+    fn motion(&self, samples: &Samples, axis: usize) -> (f64, f64) {
+        let Some((elapsed, _)) = self.inserted else {
+            return (samples.position[axis][self.row], samples.velocity[axis][self.row]);
+        };
+        let cubic = Cubic::between(samples, axis, self.row);
+        (cubic.at(elapsed), cubic.slope_at(elapsed))
+    }
+}
+
+/// Returns the rows of a profile, given their times (s), with rows inserted where they are farther apart than `spacing`
+/// (s), until `settling` (s) after a row.
+fn refined_rows(time: &[f64], spacing: f64, settling: f64) -> impl Iterator<Item = RefinedRow> {
+    (0..time.len()).flat_map(move |row| {
+        let duration = row.checked_sub(1).map_or(0.0, |before| time[row] - time[before]);
+        let parts = (duration / spacing).ceil().max(1.0);
+        let inserted =
+            (1..parts as usize).map(move |part| (duration * part as f64 / parts, part as f64 / parts));
+        let unsettled = inserted.take_while(move |(elapsed, _)| *elapsed <= settling);
+        let of = move |inserted: Option<(f64, f64)>| RefinedRow { row, inserted };
+        unsettled.map(Some).chain([None]).map(of)
+    })
+}
+
+/// Returns the profile in the rows of [`refined_rows`].
 fn refined(samples: &Samples, spacing: f64, settling: f64) -> Samples {
-    let mut refined = Samples::default();
-    for row in 0..samples.time.len() {
-        if 0 < row {
-            let before = row - 1;
-            let duration = samples.time[row] - samples.time[before];
-            let parts = (duration / spacing).ceil().max(1.0);
-            for part in 1..parts as usize {
-                let elapsed = duration * part as f64 / parts;
-                if settling < elapsed {
-                    break;
-                }
-                let mix =
-                    |column: &[f64]| column[before] + (column[row] - column[before]) * part as f64 / parts;
-                refined.time.push(samples.time[before] + elapsed);
-                refined.distance.push(mix(&samples.distance));
-                refined.feedrate.push(mix(&samples.feedrate));
-                for axis in 0..3 {
-                    let cubic = Cubic::between(samples, axis, row);
-                    refined.position[axis].push(cubic.at(elapsed));
-                    refined.velocity[axis].push(cubic.slope_at(elapsed));
-                }
-                refined.line.push(samples.line[before]);
-            }
-        }
-        refined.time.push(samples.time[row]);
-        refined.distance.push(samples.distance[row]);
-        refined.feedrate.push(samples.feedrate[row]);
-        for axis in 0..3 {
-            refined.position[axis].push(samples.position[axis][row]);
-            refined.velocity[axis].push(samples.velocity[axis][row]);
-        }
-        refined.line.push(samples.line[row]);
+    let rows = || refined_rows(&samples.time, spacing, settling);
+    let mixed = |column: &[f64]| rows().map(|row| row.between(column)).collect();
+    let mut refined = Samples {
+        time: rows().map(|row| row.time(&samples.time)).collect(),
+        distance: mixed(&samples.distance),
+        feedrate: mixed(&samples.feedrate),
+        line: rows().map(|row| samples.line[row.line()]).collect(),
+        ..Samples::default()
+    };
+    for axis in 0..3 {
+        (refined.position[axis], refined.velocity[axis]) =
+            rows().map(|row| row.motion(samples, axis)).unzip();
     }
     refined
 }

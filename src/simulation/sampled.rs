@@ -36,7 +36,7 @@ pub fn rows_around_by(
         *row += 1;
     }
     if !is_before(*row) {
-        *row = rows_before(rows, &value, place).clamp(1, last.max(1)) - 1;
+        *row = rows_before(rows, &value, place, *row).clamp(1, last.max(1)) - 1;
     }
     let (before, after) = (*row, (*row + 1).min(last));
     let span = value(after) - value(before);
@@ -44,12 +44,23 @@ pub fn rows_around_by(
     Some(RowsAround { before, after, fraction })
 }
 
-/// Returns the number of rows of an ascending column before a place.
-fn rows_before(rows: usize, value: impl Fn(usize) -> f64, place: f64) -> usize {
+/// Returns the number of rows of an ascending column before a place. The search begins at the row `near` and doubles its
+/// steps forwards, so that it is short for a place a little farther on.
+fn rows_before(rows: usize, value: impl Fn(usize) -> f64, place: f64, near: usize) -> usize {
+    let is_before = |row: usize| value(row) < place;
     let (mut before, mut end) = (0, rows);
+    if near < rows && is_before(near) {
+        let mut step = 1;
+        before = near + 1;
+        while before + step < rows && is_before(before + step) {
+            before += step + 1;
+            step *= 2;
+        }
+        end = (before + step).min(rows);
+    }
     while before < end {
         let middle = before + (end - before) / 2;
-        if value(middle) < place {
+        if is_before(middle) {
             before = middle + 1;
         } else {
             end = middle;
@@ -62,6 +73,19 @@ impl RowsAround {
     /// Returns the value of another column on the straight line between both rows.
     pub fn between(&self, values: &(impl Index<usize, Output = f64> + ?Sized)) -> f64 {
         self.between_by(|row| values[row])
+    }
+
+    /// Returns the position (mm) between both rows, by the cubic through the positions and velocities (mm/s) at both times
+    /// (s), and the velocity on the straight line.
+    pub fn motion(&self, time: &[f64], position: &[f64], velocity: &[f64]) -> (f64, f64) {
+        let RowsAround { before, after, fraction: s } = *self;
+        let span = time[after] - time[before];
+        let (s2, s3) = (s * s, s * s * s);
+        let at = position[before] * (2.0 * s3 - 3.0 * s2 + 1.0)
+            + span * velocity[before] * (s3 - 2.0 * s2 + s)
+            + position[after] * (3.0 * s2 - 2.0 * s3)
+            + span * velocity[after] * (s3 - s2);
+        (at, self.between(velocity))
     }
 
     /// Returns the value of another column, as [`RowsAround::between`], that is held in `value`.
@@ -83,6 +107,19 @@ mod tests {
         assert_eq!([2.0, 0.25, -3.0].map(&mut at), [40.0, 12.5, 10.0]);
         assert_eq!(rows_around(&[1.0], 5.0, &mut 3).expect("one row").between(&[7.0]), 7.0);
         assert_eq!(rows_around(&[], 5.0, &mut 0), None);
+    }
+
+    #[test]
+    fn a_place_is_found_from_every_row() {
+        let column: Vec<f64> = (0..40).map(|row| f64::from(row * row / 7)).collect();
+        for place in (-1..230).map(f64::from) {
+            let before = column.partition_point(|value| *value < place).clamp(1, column.len() - 1) - 1;
+            for start in 0..=column.len() {
+                let mut row = start;
+                let found = rows_around(&column, place, &mut row).expect("forty rows");
+                assert_eq!(found.before, before, "{place} from {start}");
+            }
+        }
     }
 
     #[test]

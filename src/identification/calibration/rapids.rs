@@ -347,10 +347,9 @@ fn limits_rapids_as_feed(machine: &Machine) -> bool {
     !machine.has_filters() && (junction.blends_in_time() || matches!(junction, Junction::Deviation(_)))
 }
 
-/// Returns `true` for each axis of a planner whose rapid rate no run showed for certain; `false` for filters, whose
-/// rapids are fitted as a whole.
+/// Returns `true` for each axis whose rapid rate no run showed for certain; `false` for all of them if no run has positions.
 pub fn assumed(machine: &Machine, plateaus: Option<RapidPlateaus>) -> [bool; 3] {
-    let Some(seen) = plateaus.filter(|_| !machine.has_filters()) else { return [false; 3] };
+    let Some(seen) = plateaus else { return [false; 3] };
     let is_along_path = machine.rapid.feedrate.is_finite();
     let is_assumed = |axis: usize| match is_along_path {
         true => seen.path.is_none(),
@@ -415,6 +414,10 @@ mod tests {
         let axes = [Some(123.0), Some(90.0), None];
         let seen = RapidPlateaus { axes, guessed_axes: [true, false, false], ..RapidPlateaus::default() };
         assert_eq!(assumed(&machine, Some(seen)), [true, false, true]);
+        // Filters are no other in this: here their rapids are limited along the path.
+        assert_eq!(assumed(&Machine::default(), Some(seen)), [true; 3]);
+        let path = Some(123.0);
+        assert_eq!(assumed(&Machine::default(), Some(RapidPlateaus { path, ..seen })), [false; 3]);
     }
 
     #[test]

@@ -11,7 +11,7 @@
 
 use crate::identification::alignment::{Alignment, median};
 use crate::machine::Machine;
-use crate::simulation::drive::actual_motion;
+use crate::simulation::drive::AxisMotion;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::ordered::weighted_median;
 use crate::simulation::profile::{Profile, Resolution, Samples};
@@ -89,7 +89,7 @@ impl ContourDeviation {
     /// Returns the RMS distance between recorded and simulated positions on a machine with these drives, mm,
     /// and the delay that minimises it, s.
     pub fn error(&self, machine: &Machine) -> (f64, f64) {
-        let (parts, delay) = self.in_step(&actual_motion(&self.samples, machine), 1);
+        let (parts, delay) = self.in_step(&self.actual(machine), 1);
         (parts.first().map_or(0.0, Part::mean_square).sqrt(), delay)
     }
 
@@ -103,22 +103,27 @@ impl ContourDeviation {
     /// Returns the mean squared deviation of each of `count` parts of the recording, with the variance of the
     /// noise, mm², at the common delay of the parts.
     pub fn mean_squares(&self, machine: &Machine, count: usize) -> Vec<f64> {
-        let (parts, _) = self.in_step(&actual_motion(&self.samples, machine), count);
+        let (parts, _) = self.in_step(&self.actual(machine), count);
         parts.iter().map(|part| part.mean_square() + self.noise * self.noise).collect()
     }
 
     /// Returns the sum of squared deviations (mm²) of each of `count` contiguous parts of the recording, at the
     /// delay of the whole.
     pub fn parts(&self, machine: &Machine, count: usize) -> Vec<f64> {
-        let actual = actual_motion(&self.samples, machine);
+        let actual = self.actual(machine);
         let (_, delay) = self.in_step(&actual, 1);
         self.parts_at(&actual, delay, count).iter().map(|part| part.squares).collect()
+    }
+
+    /// Returns the actual motion of each axis on a machine.
+    fn actual(&self, machine: &Machine) -> [AxisMotion<'_>; 3] {
+        [0, 1, 2].map(|axis| AxisMotion::of(&self.samples, machine, axis))
     }
 
     /// Returns `count` parts of the recording at their common delay, and this delay (s). Newton steps find it: each step
     /// is the median of the steps of the parts, and a part has the weight √Σ v·v, the inverse of its uncertainty. A wait
     /// that the simulation lacks therefore shifts only the parts near it.
-    fn in_step(&self, actual: &Samples, count: usize) -> (Vec<Part>, f64) {
+    fn in_step(&self, actual: &[AxisMotion; 3], count: usize) -> (Vec<Part>, f64) {
         let mut delay = 0.0;
         let mut best = (Vec::new(), delay);
         let mut least = f64::INFINITY;
@@ -140,12 +145,12 @@ impl ContourDeviation {
     }
 
     /// Returns `count` contiguous parts of the recording, compared at a delay (s).
-    fn parts_at(&self, actual: &Samples, delay: f64, count: usize) -> Vec<Part> {
-        let mut row = 0;
+    fn parts_at(&self, actual: &[AxisMotion; 3], delay: f64, count: usize) -> Vec<Part> {
+        let mut near = [0; 3];
         let mut part_of = |rows: &[(f64, [f64; 3])]| {
             let mut part = Part { along: 0.0, speeds: 0.0, squares: 0.0, rows: rows.len() };
             for (time, position) in rows {
-                let (along, speed, square) = self.difference(actual, time - delay, position, &mut row);
+                let (along, speed, square) = self.difference(actual, time - delay, position, &mut near);
                 part.along += along;
                 part.speeds += speed;
                 part.squares += square;
@@ -155,22 +160,22 @@ impl ContourDeviation {
         self.rows.chunks(self.rows.len().div_ceil(count).max(1)).map(&mut part_of).collect()
     }
 
-    /// Returns e·v, v·v and the weighted square of the difference of a position from that of a table at a
-    /// time.
+    /// Returns e·v, v·v and the weighted square of the difference of a position from that of the axes at a
+    /// time; `near` holds the row of the last search of each axis.
     fn difference(
         &self,
-        actual: &Samples,
+        actual: &[AxisMotion; 3],
         time: f64,
         position: &[f64; 3],
-        row: &mut usize,
+        near: &mut [usize; 3],
     ) -> (f64, f64, f64) {
-        let (there, velocity) = actual.motion_at(time, row);
         let (mut all, mut forward, mut own) = (0.0, 0.0, 0.0);
         for axis in (0..3).filter(|axis| self.recorded[*axis]) {
-            let difference = position[axis] - there[axis];
+            let (there, velocity) = actual[axis].at(time, &mut near[axis]);
+            let difference = position[axis] - there;
             all += difference * difference;
-            forward += difference * velocity[axis];
-            own += velocity[axis] * velocity[axis];
+            forward += difference * velocity;
+            own += velocity * velocity;
         }
         // The difference along the motion is weighted by the uncertainty of the stamps.
         let ahead = if 0.0 < own { forward * forward / own } else { 0.0 };
@@ -215,6 +220,7 @@ fn running_medians(simulated: &[f64], residuals: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulation::drive::actual_motion;
 
     #[test]
     fn a_running_median_keeps_a_jump_and_drops_an_outlier() {

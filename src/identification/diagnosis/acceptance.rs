@@ -12,7 +12,8 @@
 //! | size | it explains more than `MIN_EXPLAINED_SHARE` of the cycle time, `MIN_LOST_TIME_S` s, and `MAX_REMAINING_PART` of the time explained |
 //!
 //! Causes that these runs cannot separate from the next cause are alike to it: other effects, or the same effect of
-//! another axis, that fit as well, except perhaps at one place; or that fit nearly as well and have closer feedrates.
+//! another axis, that fit as well, except perhaps at one place; or that fit nearly as well and have closer feedrates. A
+//! velocity limit that acts in rapids alone is also alike to an override of rapids, if no rapid rate is known.
 
 use std::collections::BTreeSet;
 
@@ -22,9 +23,13 @@ use crate::identification::diagnosis::gates::{self, HeldOut};
 use crate::identification::diagnosis::speeds::Speeds;
 use crate::identification::diagnosis::verdict::MAX_REMAINING_PART;
 use crate::identification::diagnosis::{Candidate, Evidence, MIN_LOST_TIME_S, regions, standing};
-use crate::identification::effects::{Hypothesis, MIN_EXPLAINED_SHARE, Nature, UNEQUAL_FILTERS};
+use crate::identification::effects::{
+    AXIS_VELOCITY_LIMIT, Hypothesis, MIN_EXPLAINED_SHARE, Nature, RAPID_OVERRIDE, UNEQUAL_FILTERS,
+};
 use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::Machine;
+use crate::simulation::feed::limits::requested_feedrate;
+use crate::simulation::toolpath::{Motion, Segment};
 
 /// Largest part of the time that the earlier causes explain which a further cause may cancel.
 const MAX_CANCELLED_PART: f64 = 0.5;
@@ -113,8 +118,25 @@ pub fn passed(
     if held_out.as_ref().is_some_and(|held_out| !held_out.holds()) {
         return None;
     }
-    // The other candidates are fitted once more for the same reason.
+    let alike = alike(&last, base, current, (&candidate, &with), rest);
     let dispersion = last.dispersion(&with);
+    let confidence = held_out.as_ref().map_or(1.0, HeldOut::share) / (1.0 + alike.len() as f64);
+    let found = AcceptedCause { candidate, alike: alike.into_iter().collect(), held_out, confidence };
+    (UNSURE <= confidence * odds(gain / dispersion, price)).then_some((found, others))
+}
+
+/// Returns the ids of the causes of `rest` that the runs cannot separate from a candidate; the machine has its values in
+/// `with`.
+fn alike(
+    last: &Evidence,
+    base: &Machine,
+    current: &Machine,
+    (candidate, with): (&Candidate, &Machine),
+    rest: &[(Candidate, Vec<Candidate>)],
+) -> BTreeSet<String> {
+    let gain = last.cost(current) - candidate.cost;
+    let dispersion = last.dispersion(with);
+    // The others are fitted once more because the noise decides their last digits, too.
     let is_alike = |(other, others): &&(Candidate, Vec<Candidate>)| {
         let (other, others) = last.refined(base, other, others);
         let apart = other.cost - candidate.cost;
@@ -123,26 +145,22 @@ pub fn passed(
         }
         let rival = with_all(base, &together(&other, &others));
         // Where the times prefer one and the feedrates the other, the error of the model decides.
-        if apart < MAX_CONTRADICTED_SHARE * gain && !Speeds::of(&rival, runs).are_kept(&with) {
+        if apart < MAX_CONTRADICTED_SHARE * gain && !Speeds::of(&rival, last.runs).are_kept(with) {
             return true;
         }
         // What tells two apart in a single place is how their laws begin or end there, which no model knows so well.
-        let rest = gates::without_worst(&last, &with, &rival);
-        let cost = rest.cost(&with);
+        let rest = gates::without_worst(last, with, &rival);
+        let cost = rest.cost(with);
         let acts_elsewhere = || MIN_GAIN_SHARE_ELSEWHERE * gain < rest.cost(current) - cost;
         let still_apart = || rest.refined(base, &other, &others).0.cost - cost;
         acts_elsewhere()
             && still_apart() < (MAX_ALIKE_COST * dispersion).min(MAX_DIFFERENCE_SHARE_ELSEWHERE * apart)
     };
-    let alike: BTreeSet<String> = rest
-        .iter()
-        .filter(|(other, _)| other.hypothesis.is_rival_of(&candidate.hypothesis))
-        .filter(is_alike)
-        .map(|(other, _)| id_beside(&other.hypothesis, &candidate.hypothesis))
-        .collect();
-    let confidence = held_out.as_ref().map_or(1.0, HeldOut::share) / (1.0 + alike.len() as f64);
-    let found = AcceptedCause { candidate, alike: alike.into_iter().collect(), held_out, confidence };
-    (UNSURE <= confidence * odds(gain / dispersion, price)).then_some((found, others))
+    let rivals = rest.iter().filter(|(other, _)| other.hypothesis.is_rival_of(&candidate.hypothesis));
+    let alike = rivals.filter(is_alike).map(|(other, _)| id_beside(&other.hypothesis, &candidate.hypothesis));
+    let of_rapids =
+        is_like_override_of_rapids(candidate, current, with, last.runs).then(|| RAPID_OVERRIDE.id_on(None));
+    alike.chain(of_rapids).collect()
 }
 
 /// Returns `true` unless a candidate is a wait at words of a PLC that the cycles of the PLC may explain by chance; `seconds`
@@ -163,6 +181,23 @@ fn is_limit_that_saves(candidate: &Candidate, current: &Machine, seconds: f64) -
     let is_lower =
         |(freed, value): (&FreeParameter, &f64)| *value < freed.handle.get(current).unwrap_or(f64::INFINITY);
     seconds < 0.0 && candidate.hypothesis.is_limit() && of.into_iter().all(is_lower)
+}
+
+/// Returns `true` if a candidate is a velocity limit that acts in rapids alone, on a machine whose calibration had to assume
+/// the rapid rate of every axis: other rates with an override of rapids give the same motion.
+fn is_like_override_of_rapids(
+    candidate: &Candidate,
+    current: &Machine,
+    with: &Machine,
+    runs: &[Run],
+) -> bool {
+    let is_as_fast = |segment: &Segment| {
+        segment.motion == Motion::Rapid
+            || requested_feedrate(segment, current) <= requested_feedrate(segment, with)
+    };
+    candidate.hypothesis.effect == AXIS_VELOCITY_LIMIT
+        && current.calibrated_on.assumed_rapids == [true; 3]
+        && runs.iter().all(|run| run.toolpath.segments.iter().all(|segment| is_as_fast(&segment)))
 }
 
 /// Returns `true` if a candidate lowers the cost by more than its price where the machine already has the assumed values that

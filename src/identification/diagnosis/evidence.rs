@@ -1,5 +1,6 @@
 //! The evidence of the runs for or against a machine, as one number: the cost of the whitened residuals.
 
+use crate::identification::diagnosis::standing::is_elsewhere;
 use crate::identification::effects::Hypothesis;
 use crate::identification::effects::parameters::{AXIS_ACCELERATION, AXIS_RAPID, Adjustable, RAPID_FEEDRATE};
 use crate::identification::fit::{
@@ -249,8 +250,11 @@ pub fn assumed(machine: &Machine) -> Vec<FreeParameter> {
         pairs.filter_map(|(pair, is_assumed)| is_assumed.then_some(pair))
     };
     let accelerations = among(AXIS_ACCELERATION, on.assumed_accelerations, least);
-    let along_path = (on.assumed_rapids == [true; 3]).then_some((RAPID_FEEDRATE, 0.0));
-    let rapids = among(AXIS_RAPID, on.assumed_rapids, [0.0; 3]);
+    // In the program of the calibration, rapids that were not at their full rate then are not now either: one that is slower is
+    // slower for a cause.
+    let assumed_rapids = on.assumed_rapids.map(|is_assumed| is_assumed && is_elsewhere(machine));
+    let along_path = (assumed_rapids == [true; 3]).then_some((RAPID_FEEDRATE, 0.0));
+    let rapids = among(AXIS_RAPID, assumed_rapids, [0.0; 3]);
     accelerations.chain(rapids).chain(along_path).filter_map(of).collect()
 }
 

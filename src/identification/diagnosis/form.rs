@@ -19,6 +19,7 @@ use crate::identification::diagnosis::standing::{MAX_UNEXPLAINED_RATIO, Standing
 use crate::identification::effects::{Hypothesis, Trace};
 use crate::identification::fit::{Run, golden_section};
 use crate::machine::Machine;
+use crate::side_by_side::side_by_side;
 use crate::simulation::ordered::sort_by_number;
 
 /// Largest form error that counts as explained whole, in standard deviations of the noise of positions; the larger of
@@ -218,11 +219,12 @@ fn searched(
             hypothesis.trace() == Trace::Form && !found.causes.iter().any(is_named)
         });
         let error = |machine: &Machine| measure.of(forms, machine);
-        let mut tried: Vec<Candidate> =
-            open.filter_map(|hypothesis| screened(error, &current, hypothesis)).collect();
+        let open: Vec<&Hypothesis> = open.collect();
+        let mut tried = screened(error, &current, &open);
         sort_by_number(&mut tried, |one| one.cost);
         tried.truncate(REFINED);
-        let refined = tried.into_iter().map(|candidate| refined(error, forms, &current, candidate));
+        let refined = |at: usize| refined(error, forms, &current, tried[at].clone());
+        let refined = side_by_side(tried.len(), refined, &mut |_| {}).into_iter();
         let Some(candidate) = refined.min_by(|a, b| a.cost.total_cmp(&b.cost)) else { break };
         let with = candidate.hypothesis.machine(&current, &candidate.values);
         let is_worth = candidate.cost <= (1.0 - WORTH) * found.after
@@ -238,24 +240,26 @@ fn searched(
     found
 }
 
-/// Returns a hypothesis at the best of its trials, with the form error (mm) as its cost; `None` without trials.
+/// Returns each hypothesis at the best of its trials, with the form error (mm) as its cost; none without trials.
 fn screened(
-    error: impl Fn(&Machine) -> f64,
+    error: impl Fn(&Machine) -> f64 + Sync,
     machine: &Machine,
-    hypothesis: &Hypothesis,
-) -> Option<Candidate> {
-    let tried = hypothesis.trials.iter().map(|values| {
-        let cost = error(&hypothesis.machine(machine, values));
-        let deviations = vec![f64::NAN; values.len()];
-        Candidate {
-            hypothesis: hypothesis.clone(),
-            values: values.clone(),
-            deviations,
-            cost,
-            beside: Vec::new(),
-        }
+    hypotheses: &[&Hypothesis],
+) -> Vec<Candidate> {
+    let each = hypotheses.iter().flat_map(|own| own.trials.iter().map(move |values| (*own, values)));
+    let trials: Vec<(&Hypothesis, &Vec<f64>)> = each.collect();
+    let cost = |at: usize| error(&trials[at].0.machine(machine, trials[at].1));
+    let costs = side_by_side(trials.len(), cost, &mut |_| {});
+    let mut tried = trials.iter().zip(costs).map(|((hypothesis, values), cost)| Candidate {
+        hypothesis: (*hypothesis).clone(),
+        values: values.to_vec(),
+        deviations: vec![f64::NAN; values.len()],
+        cost,
+        beside: Vec::new(),
     });
-    tried.min_by(|a, b| a.cost.total_cmp(&b.cost))
+    let best =
+        |own: &&Hypothesis| tried.by_ref().take(own.trials.len()).min_by(|a, b| a.cost.total_cmp(&b.cost));
+    hypotheses.iter().filter_map(best).collect()
 }
 
 /// Returns a candidate at its best values, with the form error (mm) as its cost.

@@ -41,11 +41,7 @@ pub enum Standing {
 pub fn on_these(machine: &Machine, runs: &[Run]) -> (Machine, Option<f64>) {
     let mut machine = machine.clone();
     let off = runs.iter().filter_map(|run| error_beyond_calibration(run.toolpath, &machine)).reduce(f64::max);
-    let Some((off, left)) = off.zip(machine.unexplained_time) else {
-        // Rapids that were not at their full rate then are not now: one that is slower is slower for a cause.
-        machine.calibrated_on.assumed_rapids = [false; 3];
-        return (machine, None);
-    };
+    let Some((off, left)) = off.zip(machine.unexplained_time) else { return (machine, None) };
     machine.unexplained_time = Some(left.max(off / MAX_UNEXPLAINED_RATIO));
     (machine.form_error, machine.typical_form_error) = (Some(f64::INFINITY), Some(f64::INFINITY));
     (machine, Some(off))

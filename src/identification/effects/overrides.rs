@@ -1,30 +1,54 @@
 //! Effects of values that are exactly 1 unless they were changed: override switches and the recorder's clock.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis};
-use crate::identification::effects::parameters::{self, Adjustable};
+use crate::identification::effects::parameters;
 use crate::identification::effects::report::{Quantity, RATIO, Reported};
 
 fn ratio(value: f64) -> Vec<(Quantity, Reported)> {
     vec![RATIO.number(value)]
 }
 
-/// Returns the hypothesis of a switch that the machine has at `own`, tried at `parts` of that value.
-fn switch(effect: Effect, switch: Adjustable, own: f64, parts: &[f64]) -> Hypothesis {
-    Hypothesis::single(effect, switch.tried(), parts.iter().map(|part| part * own).collect(), ratio)
-}
+/// Largest rapid override of controls, as a ratio: their panels end at 100 %.
+const LARGEST_RAPID_OVERRIDE: f64 = 1.0;
 
 pub fn feed(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let parts = [0.2, 0.4, 0.6, 0.75, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 1.25, 1.5];
-    vec![switch(effect, parameters::FEED_OVERRIDE, context.machine.overrides.feed, &parts)]
+    let trials = parts.map(|part| part * context.machine.overrides.feed).to_vec();
+    vec![Hypothesis::single(effect, parameters::FEED_OVERRIDE.tried(), trials, ratio)]
 }
 
 pub fn rapid(effect: Effect, context: &Context) -> Vec<Hypothesis> {
-    let parts = [0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.1, 1.3];
-    let of = || switch(effect, parameters::RAPID_OVERRIDE, context.machine.overrides.rapid, &parts);
-    context.has_rapid.then(of).into_iter().collect()
+    if !context.has_rapid {
+        return Vec::new();
+    }
+    let own = context.machine.overrides.rapid;
+    let largest = LARGEST_RAPID_OVERRIDE.max(own);
+    let trials = [0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.1, 1.3].map(|part| part * own);
+    let possible = trials.into_iter().filter(|trial| *trial <= largest).collect();
+    let freed = parameters::RAPID_OVERRIDE.tried_around(largest);
+    vec![Hypothesis::single(effect, freed, possible, ratio)]
 }
 
 pub fn recorder_clock(effect: Effect, _: &Context) -> Vec<Hypothesis> {
     let freed = parameters::CLOCK_RATIO.tried();
     vec![Hypothesis::single(effect, freed, vec![0.972, 0.98, 0.99, 1.01, 1.02, 1.028], ratio)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::effects::table::RAPID_OVERRIDE;
+    use crate::machine::Machine;
+
+    #[test]
+    fn rapids_are_overridden_downwards_only() {
+        for (own, largest) in [(1.0, 1.0), (0.5, 1.0), (1.2, 1.2)] {
+            let mut machine = Machine::default();
+            machine.overrides.rapid = own;
+            let context = Context { has_rapid: true, ..Context::new(&machine, &[]) };
+            let [hypothesis] = &rapid(RAPID_OVERRIDE, &context)[..] else { panic!("one switch") };
+            assert_eq!(hypothesis.freed[0].bounds.1, largest);
+            assert!(hypothesis.trials.iter().all(|trial| trial[0] <= largest), "{:?}", hypothesis.trials);
+        }
+    }
 }

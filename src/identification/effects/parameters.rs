@@ -166,8 +166,6 @@ const CALIBRATED_CONSTANTS_S: Bounds = Values(PLANNER_FILTER_S, 0.5);
 const TOLERANCES_MM: Bounds = Values(1e-5, 5.0);
 /// Bounds of a tolerance in a calibration, mm. The widest is that of planners that blend freely.
 const CALIBRATED_TOLERANCES_MM: Bounds = Values(2e-4, FREE_BLEND_MM);
-/// Bounds of the ratio of an override.
-const OVERRIDE_RATIOS: Bounds = Values(0.01, 2.0);
 /// Bounds of a wait for the spindle, s.
 const SPINDLE_WAITS_S: Bounds = Values(1e-3, 60.0);
 /// Largest distance of the joint of two lines from their chord at which a control smooths it, mm; a joint farther
@@ -269,9 +267,9 @@ parameters! {
     DWELL_EXCESS = difference("times.dwell_excess_s", Values(0.0, 1.0)).exactly(Exactness::Wait);
 
     /// Feed override, as a ratio.
-    FEED_OVERRIDE = ratio("override.feed", OVERRIDE_RATIOS).exactly(Exactness::Exact);
-    /// Rapid override, as a ratio.
-    RAPID_OVERRIDE = ratio("override.rapid", OVERRIDE_RATIOS).exactly(Exactness::Exact);
+    FEED_OVERRIDE = ratio("override.feed", Values(0.01, 2.0)).exactly(Exactness::Exact);
+    /// Rapid override, as a ratio; in a hypothesis as a ratio to the largest that the control has.
+    RAPID_OVERRIDE = ratio("override.rapid", Ratios(0.01, 1.0)).exactly(Exactness::Exact);
     /// Rate of the recorder's clock, as a ratio to true time. Quartz is accurate to 2e-4. A row that counts ticks of
     /// a timer is off by the rounding of the tick, at worst 16 ms for the 15.625 ms of Windows.
     CLOCK_RATIO = ratio("recorder.clock_ratio", Values(0.97, 1.03)).exactly(Exactness::Exact);

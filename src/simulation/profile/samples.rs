@@ -11,7 +11,7 @@
 
 use crate::simulation::feed::Phase;
 use crate::simulation::profile::{Moment, MotionState, Profile, RememberedSteps};
-use crate::simulation::sampled::{RowsAround, rows_around};
+use crate::simulation::sampled::rows_around;
 use crate::simulation::toolpath::{self, Curve, Vector};
 
 /// A profile as columns of equal length, straight lines between the rows.
@@ -62,18 +62,9 @@ impl Samples {
     /// velocities; `row` holds the row of the last search.
     pub fn motion_at(&self, time: f64, row: &mut usize) -> (Vector, Vector) {
         let Some(rows) = rows_around(&self.time, time, row) else { return Default::default() };
-        let RowsAround { before, after, fraction: s } = rows;
-        let span = self.time[after] - self.time[before];
-        let (s2, s3) = (s * s, s * s * s);
-        let position = |axis: usize| {
-            let (position, velocity) = (&self.position[axis], &self.velocity[axis]);
-            position[before] * (2.0 * s3 - 3.0 * s2 + 1.0)
-                + span * velocity[before] * (s3 - 2.0 * s2 + s)
-                + position[after] * (3.0 * s2 - 2.0 * s3)
-                + span * velocity[after] * (s3 - s2)
-        };
-        let velocity = |axis: usize| rows.between(&self.velocity[axis]);
-        (Vector::from_fn(|axis, _| position(axis)), Vector::from_fn(|axis, _| velocity(axis)))
+        let motion = |axis: usize| rows.motion(&self.time, &self.position[axis], &self.velocity[axis]);
+        let [x, y, z] = [0, 1, 2].map(motion);
+        (Vector::new(x.0, y.0, z.0), Vector::new(x.1, y.1, z.1))
     }
 }
 
@@ -303,7 +294,7 @@ impl<T: SampledTable> Sampler<'_, T> {
     }
 
     /// Returns the time of the row after `last`: later by an eighth of the filter delay, or the end of the
-    /// time in which nothing changes.
+    /// time in which the acceleration is constant.
     fn next_time(&mut self, last: CandidateRow) -> f64 {
         let time = last.filtered;
         let motion = self.steps.cursor.motion;
@@ -314,13 +305,14 @@ impl<T: SampledTable> Sampler<'_, T> {
         let edge = knots.get(knots.partition_point(|knot| knot.filtered <= time));
         let edge = edge.map_or(f64::INFINITY, |knot| knot.filtered);
         let pulse = motion.pulses.at(last.moment.pulse);
-        if last.moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
+        if last.moment.elapsed < delay {
             return step;
         }
+        let fastest = pulse.feedrate[0].max(pulse.feedrate[1]);
         let segment = motion.segments.at(pulse.segment as usize);
         let widest = match &segment.curve {
             Curve::Line => f64::INFINITY,
-            Curve::Arc(arc) => MAX_ROW_ANGLE_RAD * segment.length / (arc.sweep * pulse.feedrate[0]),
+            Curve::Arc(arc) => MAX_ROW_ANGLE_RAD * segment.length / (arc.sweep * fastest),
         };
         let end = self.steps.cursor.pulse_start(last.moment.pulse) + pulse.duration;
         step.max(end.min(time + widest).min(edge))
