@@ -10,7 +10,7 @@
 //! ```
 //!
 //! m is the usual relative error of the fit on the sections of the runs, corrected by √(n/(n − k)) for n sections and k
-//! fitted parameters: a model that is off on parts of a run is off on other programs by as much. ε is
+//! fitted parameters, of which each could make one section right: a model that is off on parts of a run is off on other programs by as much. ε is
 //! [`MIN_USUAL_ERROR_RATIO`], the error of models without such errors. The range of a calibration by one program, from which
 //! none can be left out, comes from u alone, and each further program moves the range towards its own errors.
 //!
@@ -28,8 +28,8 @@ const PRIOR_WEIGHT: f64 = 4.0;
 /// program almost exactly, 0.18 % on 36 pairs of programs of grbl, Klipper and LinuxCNC (the seeds 135443670, 15238624,
 /// 168598907 and 58934268).
 const MIN_USUAL_ERROR_RATIO: f64 = 0.002;
-/// Number of sections of a run, equally long in time.
-const SECTIONS: usize = 8;
+/// Number of sections of a run, equally long in time, beyond one for each fitted parameter: as many remain free.
+const FREE_SECTIONS: usize = 8;
 /// Quantile of the normal distribution below which 95 % lie.
 const NORMAL_QUANTILE_95: f64 = 1.645;
 /// Relative cost decrease below which a step is the last.
@@ -125,8 +125,11 @@ fn without(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f64)]) -> M
 
 /// Returns u.
 fn usual_error(machine: &Machine, runs: &[Run], fitted: usize) -> f64 {
-    let mut sizes: Vec<f64> =
-        runs.iter().flat_map(|run| section_errors(run, machine)).map(f64::abs).collect();
+    let mut sizes: Vec<f64> = runs
+        .iter()
+        .flat_map(|run| section_errors(run, machine, FREE_SECTIONS + fitted))
+        .map(f64::abs)
+        .collect();
     if sizes.is_empty() {
         return MIN_USUAL_ERROR_RATIO;
     }
@@ -137,20 +140,20 @@ fn usual_error(machine: &Machine, runs: &[Run], fitted: usize) -> f64 {
     MIN_USUAL_ERROR_RATIO.hypot(left)
 }
 
-/// Returns the relative error of the time of each section of a run.
-fn section_errors(run: &Run, machine: &Machine) -> Vec<f64> {
+/// Returns the relative error of the time of each of `count` sections of a run.
+fn section_errors(run: &Run, machine: &Machine, count: usize) -> Vec<f64> {
     let marks = &run.alignment.marks;
     let Some((first, last)) = marks.first().zip(marks.last()) else { return Vec::new() };
     let delays = run.residuals(machine);
     let begin = |section: usize| {
-        let time = first.time + (last.time - first.time) * section as f64 / SECTIONS as f64;
+        let time = first.time + (last.time - first.time) * section as f64 / count as f64;
         marks.partition_point(|mark| mark.time < time).min(marks.len() - 1)
     };
     let error = |section: usize| {
         let (from, to) = (begin(section), begin(section + 1));
         (from < to).then(|| (delays[to] - delays[from]) / (marks[to].time - marks[from].time))
     };
-    (0..SECTIONS).filter_map(error).filter(|error| error.is_finite()).collect()
+    (0..count).filter_map(error).filter(|error| error.is_finite()).collect()
 }
 
 fn half_range(errors: &[f64], programs: usize, usual: f64) -> f64 {
@@ -190,16 +193,17 @@ mod tests {
         let legs: String = (1..800).map(|at| format!("G1 X{} F600\n", 0.2 * f64::from(at))).collect();
         let toolpath = trace(&read(legs.as_bytes()), &machine);
         let ends = toolpath.ends().map(ProgramPlace::Along).collect();
-        let mut marks = simulated_marks(&toolpath, &simulate(&toolpath, &machine), ends, 1e-3);
-        let (first, last) = (marks[0].time, marks[marks.len() - 1].time);
-        let section = (last - first) / SECTIONS as f64;
-        for mark in &mut marks {
-            let passed = (mark.time - first) / section;
-            mark.time += 0.01 * section * (1.0 - (passed % 2.0 - 1.0).abs());
-        }
-        let alignment = Alignment::of_marks(Method::Positions, first..last, marks, 159.8);
-        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
-        for (fitted, ratio) in [(0, 1.0), (6, 2.0), (20, 8f64.sqrt())] {
+        let simulated = simulated_marks(&toolpath, &simulate(&toolpath, &machine), ends, 1e-3);
+        let (first, last) = (simulated[0].time, simulated[simulated.len() - 1].time);
+        for (fitted, ratio) in [(0, 1.0), (8, 2f64.sqrt()), (24, 2.0)] {
+            let section = (last - first) / (FREE_SECTIONS + fitted) as f64;
+            let mut marks = simulated.clone();
+            for mark in &mut marks {
+                let passed = (mark.time - first) / section;
+                mark.time += 0.01 * section * (1.0 - (passed % 2.0 - 1.0).abs());
+            }
+            let alignment = Alignment::of_marks(Method::Positions, first..last, marks, 159.8);
+            let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
             let expected = MIN_USUAL_ERROR_RATIO.hypot(ratio * 0.01 / NORMAL_MEDIAN_DEVIATION);
             let found = usual_error(&machine, &runs, fitted);
             assert!((found / expected - 1.0).abs() < 0.02, "{fitted}: {found}, {expected}");
