@@ -84,9 +84,6 @@ fn machine(control: &Control, effect: Option<&str>, parameters: &serde_json::Val
         Some("rapid_override") => machine.overrides.rapid = number("ratio")?,
         Some("feed_override") => {
             machine.overrides.feed_by_line.insert(line("from_line")?, number("ratio")?);
-            if control.folder == "klipper" {
-                machine.overrides.rapid_by_line = machine.overrides.feed_by_line.clone();
-            }
         }
         Some("feed_hold") => {
             machine.halts.feed_holds.insert(line("line")?, number("seconds")?);

@@ -241,6 +241,26 @@ fn a_rapid_that_no_run_showed_is_taken_from_the_recording_and_is_no_cause() {
     assert!(rapids[..2].iter().all(|rapid| (rapid / 50.0 - 1.0).abs() < 0.01), "{rapids:?} mm/s");
 }
 
+/// Moves from stop to stop, most of whose time is ramps.
+fn stops(count: u32) -> String {
+    let stop = |at: u32| format!("X{} F3000\nY{}\nZ-{}\n", 2 + 3 * (at % 2), 4 * (at % 2), 1 + at % 2);
+    format!("G21 G90\nG61.1\nG0 Z5\nG1\n{}M30\n", (1..=count).map(stop).collect::<String>())
+}
+
+#[test]
+fn an_acceleration_that_is_a_little_off_is_no_cause_of_another_program() {
+    let mut machine = calibrated(&stops(30));
+    assert_eq!(machine.calibrated_on.assumed_accelerations, [false; 3]);
+    machine.axes.iter_mut().for_each(|axis| axis.acceleration *= 1.045);
+    let diagnosis = diagnosed(&machine, &stops(43), &truth());
+    assert!(diagnosis.causes.is_empty(), "{:?}", diagnosis.causes);
+    let found = diagnosis.calibrated.expect("the accelerations are taken from the recording");
+    for (found, truth) in found.axes.iter().zip(&truth().axes) {
+        let ratio = found.acceleration / truth.acceleration;
+        assert!((ratio - 1.0).abs() < 0.01, "{ratio} of the true acceleration");
+    }
+}
+
 /// Plunges with a rapid of 7 mm back, which reaches no rate.
 fn plunges() -> String {
     let plunge = |at: u32| format!("G1 Z-2 F300\nX{} F{}\nG0 Z5\n", 9 * (at % 2), 900 + 300 * (at % 4));

@@ -406,6 +406,16 @@ impl Machine {
         axes.fold(self.rapid.feedrate, f64::min)
     }
 
+    /// Returns the ratio by which an override of feed moves, as a ratio, slows rapids; 1 on controls with a switch for each. In
+    /// Klipper a G0 is a G1 at its own F, so M220 acts on both; above 100 % rapids are no faster, as their F is usually the
+    /// limit of the machine.
+    pub fn share_of_feed_override(&self, of_feed: f64) -> f64 {
+        match self.interpolator.junction {
+            Junction::SquareCorner(_) => of_feed.min(1.0),
+            _ => 1.0,
+        }
+    }
+
     /// Returns the machine without the errors of its calibration, as the basis for values with another
     /// `provenance`.
     pub fn to_be_changed(&self, provenance: String) -> Machine {

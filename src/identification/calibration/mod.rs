@@ -36,6 +36,7 @@ mod waits;
 use nalgebra::DMatrix;
 
 pub use rapids::RapidPlateaus;
+pub use untold::MAX_RELATIVE_DEVIATION;
 pub use waits::guesses;
 
 use crate::identification::alignment::Method;

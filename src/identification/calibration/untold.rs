@@ -22,7 +22,7 @@ const MIN_MOVED_S: f64 = 0.015;
 const HALVINGS: usize = 7;
 /// Largest relative standard deviation of a limit that the runs determine. A cause would be off by as much, and a
 /// diagnosis calls more than that part of the lost time unexplained.
-const MAX_RELATIVE_DEVIATION: f64 = 0.05;
+pub const MAX_RELATIVE_DEVIATION: f64 = 0.05;
 
 /// Returns `true` for each axis whose acceleration the runs do not determine: it is lent from other axes, its
 /// standard deviation is too large, or the other parameters fit as well without its limit. `alike` are the axes whose

@@ -143,8 +143,8 @@ pub fn acts_on(without: &Machine, with: &Machine, runs: &[Run]) -> Vec<(u32, u32
 
 /// Returns the lines whose moves have different overrides on the two machines.
 fn switched(without: &Machine, with: &Machine, run: &Run) -> Vec<u32> {
-    let [before, after] = [without, with].map(|machine| run.machine(machine).overrides);
-    if before == after {
+    let [before, after] = [without, with].map(|machine| run.machine(machine));
+    if before.overrides == after.overrides {
         return Vec::new();
     }
     let distances = run.toolpath.distances();
@@ -152,13 +152,16 @@ fn switched(without: &Machine, with: &Machine, run: &Run) -> Vec<u32> {
         let (from, to) = overrides.span;
         if from < distances[at + 1] && distances[at] < to { overrides.of_feed(line) } else { 1.0 }
     };
-    let differs = |(at, segment): &(usize, Segment)| {
-        let line = segment.line.0;
+    let in_force = |machine: &Machine, at: usize, segment: &Segment| {
+        let (overrides, line) = (&machine.overrides, segment.line.0);
+        let of_feed = of_feed(overrides, at, line);
         match segment.motion {
-            Motion::Rapid => before.of_rapid(line) != after.of_rapid(line),
-            Motion::Feed { .. } => of_feed(&before, *at, line) != of_feed(&after, *at, line),
+            Motion::Rapid => overrides.of_rapid(line) * machine.share_of_feed_override(of_feed),
+            Motion::Feed { .. } => of_feed,
         }
     };
+    let differs =
+        |(at, segment): &(usize, Segment)| in_force(&before, *at, segment) != in_force(&after, *at, segment);
     let segments = run.toolpath.segments.iter().enumerate().filter(differs);
     segments.map(|(_, segment)| segment.line.0).collect()
 }

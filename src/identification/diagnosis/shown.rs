@@ -12,22 +12,30 @@
 //! tangents it stops in exact path mode (G61). Other corners do not show this override.
 //!
 //! A program with few corners, or with slow ones, shows the junction law of a planner to some ten per cent only, and chains
-//! of short lines of another program depend on it strongly. So that law may differ by [`JUNCTION_LAW_RATIO`] there.
+//! of short lines of another program depend on it strongly. So that law may differ by [`JUNCTION_LAW_RATIO`] there, and an
+//! acceleration by [`ACCELERATION_RATIO`].
 //!
 //! Limits: a change of an assumed value after the calibration cannot be seen, nor a limit that was raised, nor such a small
-//! change of the corners.
+//! change of corners or accelerations.
 
-use crate::identification::calibration::{RapidPlateaus, guesses, nearest};
+use crate::identification::calibration::{MAX_RELATIVE_DEVIATION, RapidPlateaus, guesses, nearest};
 use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::evidence::{Evidence, assumed};
 use crate::identification::diagnosis::gates::price;
-use crate::identification::effects::parameters::{JUNCTION_DEVIATION, MAX_OVERRIDE, SQUARE_CORNER_VELOCITY};
+use crate::identification::effects::parameters::{
+    AXIS_ACCELERATION, Adjustable, JUNCTION_DEVIATION, MAX_OVERRIDE, PATH_ACCELERATION,
+    SQUARE_CORNER_VELOCITY,
+};
 use crate::identification::fit::{FTOL, FreeParameter, Run, fit};
 use crate::machine::{Junction, Machine};
 
 /// Largest ratio between the calibrated value of a junction law and its value in the recording of another program: of 20
 /// calibrations of development data, half were within 5 % of the true value, and the worst was off by a factor of 1.5.
 const JUNCTION_LAW_RATIO: f64 = 1.5;
+
+/// Largest ratio between a calibrated acceleration and its value in the recording of another program: a calibration takes an
+/// acceleration for determined up to a standard deviation of that size.
+const ACCELERATION_RATIO: f64 = 1.0 + MAX_RELATIVE_DEVIATION;
 
 /// Returns the machine with the values that its calibration had assumed replaced by those that the runs show, and
 /// without limits that the runs exceed. `None` if there are none of both, or if the runs do not show them.
@@ -42,19 +50,15 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
     let is_exact_path = |run: &Run| run.toolpath.segments.iter().any(|segment| segment.exact_path);
     let shows_override = machine.calibrated_on.largest_override.is_some()
         || machine.interpolator.junction.blends_in_time() && runs.iter().any(is_exact_path);
-    let corners = junction_law(machine);
-    let count = assumed(machine).len()
-        + exceeded
-        + waits.len()
-        + usize::from(shows_override)
-        + usize::from(corners.is_some());
+    let near: Vec<FreeParameter> = junction_law(machine).into_iter().chain(accelerations(machine)).collect();
+    let count = assumed(machine).len() + exceeded + waits.len() + usize::from(shows_override) + near.len();
     if count == 0 {
         return None;
     }
     let fitted = |machine: &Machine| {
         let evidence = Evidence::of(runs, machine);
         let from_here = |own: &FreeParameter| own.starting_at(own.handle.get(machine).unwrap_or(own.start));
-        let others = waits.iter().chain(&corners).map(from_here);
+        let others = waits.iter().chain(&near).map(from_here);
         let freed: Vec<FreeParameter> = assumed(machine).into_iter().chain(others).collect();
         fit(machine, runs, &freed, &evidence.whitenings, FTOL, &mut |_| {}).machine
     };
@@ -67,6 +71,18 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
     let found = fitted(&first);
     let fine = Evidence::of(runs, &found);
     (price(runs, count) < fine.cost(machine) - fine.cost(&found)).then_some(found)
+}
+
+/// Returns the free parameters of the accelerations that the calibration determined, each within [`ACCELERATION_RATIO`] of its
+/// value.
+fn accelerations(machine: &Machine) -> Vec<FreeParameter> {
+    let assumed = machine.calibrated_on.assumed_accelerations;
+    let of_axes = AXIS_ACCELERATION.into_iter().zip(assumed).filter(|(_, assumed)| !assumed);
+    let near = |parameter: Adjustable| {
+        let own = parameter.handle().get(machine).filter(|own| own.is_finite())?;
+        Some(parameter.near(own, ACCELERATION_RATIO))
+    };
+    of_axes.map(|(parameter, _)| parameter).chain([PATH_ACCELERATION]).filter_map(near).collect()
 }
 
 /// Returns the free parameter for the value of the junction law, within [`JUNCTION_LAW_RATIO`] of the calibrated one; `None` if

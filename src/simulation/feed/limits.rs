@@ -6,7 +6,8 @@
 //!   override, with r = min(r_path, min_k r_k / |u_k|): the axis that limits the move runs at its rapid
 //!   feedrate r_k, and diagonals are faster than single axes. LinuxCNC clamps the programmed feedrate to the
 //!   velocity of the axes, and on an arc to their acceleration, before the override multiplies it (emccanon.cc), so
-//!   that an override of 80 % also slows a move that an axis limits; grbl and Klipper clamp the product;
+//!   that an override of 80 % also slows a move that an axis limits; grbl and Klipper clamp the product. In Klipper the
+//!   feed override acts on rapids too (M220, gcode_move.py);
 //! - V_k / |u_k|: no axis k above its velocity limit; on an arc with the largest |u_k| on it. LinuxCNC limits an
 //!   arc to the V_k of the slower axis of its plane, however short the arc (emccanon.cc);
 //! - the velocity limit along the path, which acts behind the overrides, on feeds and rapids (in LinuxCNC the slider of
@@ -39,7 +40,9 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     let by_axes = axis_feedrate(segment, machine);
     let feedrate = match segment.motion {
         Motion::Rapid => {
-            rapid_feedrate(segment, machine).min(by_axes) * machine.overrides.of_rapid(segment.line.0)
+            let share = machine.share_of_feed_override(machine.overrides.of_feed(segment.line.0));
+            overridden_rapid(segment, machine, share).min(by_axes)
+                * machine.overrides.of_rapid(segment.line.0)
         }
         Motion::Feed { feedrate } => {
             clamped_before_override(feedrate, by_axes, segment, machine)
@@ -76,10 +79,17 @@ pub fn are_lines_alike(machine: &Machine) -> bool {
 /// Returns the feedrate of a rapid segment, mm/s: the rapid feedrate of the path, with no axis above its own
 /// rapid feedrate.
 pub fn rapid_feedrate(segment: &Segment, machine: &Machine) -> f64 {
+    overridden_rapid(segment, machine, 1.0)
+}
+
+/// Returns the feedrate of a rapid segment whose programmed rate, that of the path, an override multiplies by `share`, mm/s:
+/// the axes keep their limits.
+pub fn overridden_rapid(segment: &Segment, machine: &Machine, share: f64) -> f64 {
+    let along_path = machine.rapid.feedrate * share;
     if has_no_axis_rapid(machine) {
-        return machine.rapid.feedrate;
+        return along_path;
     }
-    machine.rapid_feedrate(largest_share(segment).into())
+    machine.rapid_feedrate(largest_share(segment).into()).min(along_path)
 }
 
 /// Returns `true` if no axis has a rapid feedrate.

@@ -10,6 +10,8 @@
 //!       F       r F   r F         r F          F                  r ratio, F programmed feedrate
 //! ```
 //!
+//! Where the override acts on rapids too ([`Machine::share_of_feed_override`]), those within the span become feed moves.
+//!
 //! Limits: the ramp to a lower feedrate ends where the switch is turned instead of beginning there, and so
 //! comes too early by its length; rotary axes that turn alone keep the programmed rate.
 
@@ -69,8 +71,14 @@ fn push(
     machine: &Machine,
 ) {
     let mut part = segment.part(start, end);
-    if let Motion::Feed { feedrate } = &mut part.motion {
-        *feedrate = limits::overridable(*feedrate, segment, machine) * ratio;
+    let slowed = machine.share_of_feed_override(ratio);
+    match &mut part.motion {
+        Motion::Feed { feedrate } => *feedrate = limits::overridable(*feedrate, segment, machine) * ratio,
+        Motion::Rapid if slowed == 1.0 => {}
+        Motion::Rapid => {
+            let feedrate = limits::overridden_rapid(segment, machine, slowed);
+            part.motion = Motion::Feed { feedrate: feedrate * machine.overrides.of_rapid(segment.line.0) };
+        }
     }
     substitute.push(part, Cover { first: number, offset: start, last: number, length: end - start });
 }
@@ -78,6 +86,7 @@ fn push(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::Junction;
     use crate::simulation::gcode::read;
     use crate::simulation::interpreter::trace;
 
@@ -103,5 +112,29 @@ mod tests {
             }
         }
         assert_eq!(substitute.toolpath.stops.len(), toolpath.stops.len());
+    }
+
+    #[test]
+    fn klipper_overrides_rapids_by_the_feed_override_and_makes_none_faster() {
+        let feedrates = |machine: &Machine, span: (f64, f64)| -> Vec<f64> {
+            let toolpath = trace(&read(b"G0 X40 Y30\nG1 X0 F1200"), machine);
+            let all = |ratio: f64| {
+                let machine = with(machine, ratio, span);
+                let (divided, machine) = divided(&toolpath, &machine)
+                    .map_or((toolpath.clone(), machine.clone()), |(parts, own)| (parts.toolpath, own));
+                let of = |segment: Segment| limits::requested_feedrate(&segment, &machine);
+                divided.segments.iter().map(of).collect::<Vec<_>>()
+            };
+            let (own, slowed, sped_up) = (all(1.0), all(0.5), all(1.2));
+            let ratios =
+                |others: Vec<f64>| others.into_iter().zip(own.clone()).map(|(other, own)| other / own);
+            ratios(slowed).chain(ratios(sped_up)).map(|ratio| (1e6 * ratio).round() / 1e6).collect()
+        };
+        let mut klipper = Machine::default();
+        klipper.interpolator.junction = Junction::SquareCorner(5.0);
+        for span in [Overrides::WHOLE_PATH_BOUNDS_MM, (0.0, 1e6)] {
+            assert_eq!(feedrates(&klipper, span), [0.5, 0.5, 1.0, 1.2], "{span:?}");
+            assert_eq!(feedrates(&Machine::default(), span), [1.0, 0.5, 1.0, 1.2], "{span:?}");
+        }
     }
 }
