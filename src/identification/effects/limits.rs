@@ -26,16 +26,21 @@ pub const ALL_AXES: &str = "XYZ";
 /// Rarity of a velocity limit along the path: an operator sets one for every twenty changes of an override (2 ln 20).
 const PATH_VELOCITY_RARITY: f64 = 6.0;
 
-/// Returns the axes that the programs move.
-fn moved(context: &Context) -> impl Iterator<Item = usize> {
-    (0..3).filter(|axis| 0.0 < context.axis_feedrate[*axis])
+/// Returns the axes that the programs move and that the control limits each: Klipper limits the path, and of the axes only
+/// Z (max_velocity, max_z_velocity, max_accel, max_z_accel).
+fn limited(context: &Context) -> impl Iterator<Item = usize> {
+    let first = match context.machine.interpolator.junction {
+        Junction::SquareCorner(_) => 2,
+        _ => 0,
+    };
+    (first..3).filter(|axis| 0.0 < context.axis_feedrate[*axis])
 }
 
 /// Returns the hypotheses of an acceleration limit of each axis that moves and, if the tolerance limits the
 /// feedrate at corners, of a planner, a control of another family that ramps by one acceleration of all axes.
 pub fn axis_accelerations(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let of_axis = |axis: usize| accelerations(effect, parameters::AXIS_ACCELERATION[axis], Some(AXES[axis]));
-    let mut all: Vec<Hypothesis> = moved(context).flat_map(of_axis).collect();
+    let mut all: Vec<Hypothesis> = limited(context).flat_map(of_axis).collect();
     if context.machine.interpolator.junction == Junction::Tolerance {
         all.extend([planner(effect, true), planner(effect, false)]);
     }
@@ -94,7 +99,7 @@ pub fn axis_velocities(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         of(parameters::AXIS_VELOCITY[axis], context.axis_feedrate[axis], &AXES[axis].to_string())
     };
     let along_path = of(parameters::PATH_VELOCITY, context.feedrate, ALL_AXES);
-    moved(context).map(of_axis).chain([along_path.with_rarity(PATH_VELOCITY_RARITY)]).collect()
+    limited(context).map(of_axis).chain([along_path.with_rarity(PATH_VELOCITY_RARITY)]).collect()
 }
 
 pub fn centripetal_acceleration(effect: Effect, context: &Context) -> Vec<Hypothesis> {
