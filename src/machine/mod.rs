@@ -406,12 +406,12 @@ impl Machine {
         axes.fold(self.rapid.feedrate, f64::min)
     }
 
-    /// Returns the ratio by which an override of feed moves, as a ratio, slows rapids; 1 on controls with a switch for each. In
-    /// Klipper a G0 is a G1 at its own F, so M220 acts on both; above 100 % rapids are no faster, as their F is usually the
-    /// limit of the machine.
-    pub fn share_of_feed_override(&self, of_feed: f64) -> f64 {
+    /// Returns the ratio of the rapid feedrate at a feed override (a ratio) to that without it. It is 1 on controls that
+    /// override rapids by a separate switch. Klipper runs G0 as G1 with an F, so M220 slows both. Above 100 % it makes no rapid
+    /// faster, since that F is usually the limit of the machine.
+    pub fn rapid_ratio_at(&self, feed_override: f64) -> f64 {
         match self.interpolator.junction {
-            Junction::SquareCorner(_) => of_feed.min(1.0),
+            Junction::SquareCorner(_) => feed_override.min(1.0),
             _ => 1.0,
         }
     }

@@ -85,16 +85,12 @@ impl AxisMotion<'_> {
                 velocity: Cow::Borrowed(&commanded.velocity[axis]),
             };
         }
-        let mut motion = (Vec::new(), Vec::new(), Vec::new());
-        let (time, position, velocity) = (&mut motion.0, &mut motion.1, &mut motion.2);
-        for row in refined_rows(&commanded.time, longest_spacing(own), settling_time(own)) {
-            let (at, speed) = row.motion(commanded, axis);
-            time.push(row.time(&commanded.time));
-            position.push(at);
-            velocity.push(speed);
-        }
-        follow_drives(time, position, velocity, own);
-        AxisMotion { time: motion.0.into(), position: motion.1.into(), velocity: motion.2.into() }
+        let rows = || refined_rows(&commanded.time, longest_spacing(own), settling_time(own));
+        let time: Vec<f64> = rows().map(|row| row.time(&commanded.time)).collect();
+        let (mut position, mut velocity): (Vec<f64>, Vec<f64>) =
+            rows().map(|row| row.motion(commanded, axis)).unzip();
+        follow_drives(&time, &mut position, &mut velocity, own);
+        AxisMotion { time: time.into(), position: position.into(), velocity: velocity.into() }
     }
 
     /// Returns position (mm) and velocity (mm/s) at a time (s), as [`Samples::motion_at`].
@@ -167,7 +163,7 @@ struct RefinedRow {
 }
 
 impl RefinedRow {
-    /// Returns the time of the row, given those of the profile, s.
+    /// Returns the time of the row, s. `time` is the column of times of the profile.
     fn time(&self, time: &[f64]) -> f64 {
         self.inserted.map_or(time[self.row], |(elapsed, _)| time[self.row - 1] + elapsed)
     }
@@ -207,14 +203,12 @@ fn refined_rows(time: &[f64], spacing: f64, settling: f64) -> impl Iterator<Item
     })
 }
 
-/// Returns the profile in the rows of [`refined_rows`].
+/// Returns the profile in the rows of [`refined_rows`], without feedrates: drives change them.
 fn refined(samples: &Samples, spacing: f64, settling: f64) -> Samples {
     let rows = || refined_rows(&samples.time, spacing, settling);
-    let mixed = |column: &[f64]| rows().map(|row| row.between(column)).collect();
     let mut refined = Samples {
         time: rows().map(|row| row.time(&samples.time)).collect(),
-        distance: mixed(&samples.distance),
-        feedrate: mixed(&samples.feedrate),
+        distance: rows().map(|row| row.between(&samples.distance)).collect(),
         line: rows().map(|row| samples.line[row.line()]).collect(),
         ..Samples::default()
     };

@@ -14,9 +14,9 @@ use crate::machine::{Junction, KLIPPER_MIN_CRUISE_RATIO, Machine, Planner};
 /// Initial values of the minimum cruise ratio in fits: Klipper's default, and a small value, because a fit does not free a
 /// ratio of 0.
 const INITIAL_CRUISE_RATIOS: [f64; 2] = [KLIPPER_MIN_CRUISE_RATIO, 0.1];
-/// Ratios of the accelerations in a restart to those of the fit before it, which may be a local minimum.
+/// Factors by which a restart multiplies the fitted accelerations, to leave a local minimum.
 const RESTART_ACCELERATION_RATIOS: [f64; 3] = [0.6, 1.0, 1.6];
-/// Ratios of the value of the junction law in a restart to that of the fit before it.
+/// Factors by which a restart multiplies the fitted value of the junction law.
 const RESTART_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
 
 /// A family of planners as a calibration tries it.

@@ -160,8 +160,8 @@ impl ContourDeviation {
         self.rows.chunks(self.rows.len().div_ceil(count).max(1)).map(&mut part_of).collect()
     }
 
-    /// Returns e·v, v·v and the weighted square of the difference of a position from that of the axes at a
-    /// time; `near` holds the row of the last search of each axis.
+    /// Returns e·v, v·v and the weighted square of e at a time (s), where e is the recorded position less the simulated one.
+    /// For each axis `near` holds the row that the last search found.
     fn difference(
         &self,
         actual: &[AxisMotion; 3],

@@ -118,25 +118,24 @@ pub fn passed(
     if held_out.as_ref().is_some_and(|held_out| !held_out.holds()) {
         return None;
     }
-    let alike = alike(&last, base, current, (&candidate, &with), rest);
     let dispersion = last.dispersion(&with);
+    let alike = alike(&last, base, current, (&candidate, &with), (gain, dispersion), rest);
     let confidence = held_out.as_ref().map_or(1.0, HeldOut::share) / (1.0 + alike.len() as f64);
     let found = AcceptedCause { candidate, alike: alike.into_iter().collect(), held_out, confidence };
     (UNSURE <= confidence * odds(gain / dispersion, price)).then_some((found, others))
 }
 
-/// Returns the ids of the causes of `rest` that the runs cannot separate from a candidate; the machine has its values in
-/// `with`.
+/// Returns the ids of the causes that the runs cannot separate from a candidate, which lowers the cost by `gain`: those of
+/// `rest`, and an override of rapids. `with` is the machine with the candidate, and `dispersion` that of its residuals.
 fn alike(
     last: &Evidence,
     base: &Machine,
     current: &Machine,
     (candidate, with): (&Candidate, &Machine),
+    (gain, dispersion): (f64, f64),
     rest: &[(Candidate, Vec<Candidate>)],
 ) -> BTreeSet<String> {
-    let gain = last.cost(current) - candidate.cost;
-    let dispersion = last.dispersion(with);
-    // The others are fitted once more because the noise decides their last digits, too.
+    // The noise decides the last digits of the others too, so they are fitted once more.
     let is_alike = |(other, others): &&(Candidate, Vec<Candidate>)| {
         let (other, others) = last.refined(base, other, others);
         let apart = other.cost - candidate.cost;

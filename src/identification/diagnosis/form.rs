@@ -219,8 +219,7 @@ fn searched(
             hypothesis.trace() == Trace::Form && !found.causes.iter().any(is_named)
         });
         let error = |machine: &Machine| measure.of(forms, machine);
-        let open: Vec<&Hypothesis> = open.collect();
-        let mut tried = screened(error, &current, &open);
+        let mut tried = screened(error, &current, &open.collect::<Vec<_>>());
         sort_by_number(&mut tried, |one| one.cost);
         tried.truncate(REFINED);
         let refined = |at: usize| refined(error, forms, &current, tried[at].clone());

@@ -8,8 +8,8 @@ fn ratio(value: f64) -> Vec<(Quantity, Reported)> {
     vec![RATIO.number(value)]
 }
 
-/// Largest rapid override of controls, as a ratio: their panels end at 100 %.
-const LARGEST_RAPID_OVERRIDE: f64 = 1.0;
+/// Largest rapid override of a control, as a ratio: panels end at 100 %.
+const MAX_RAPID_OVERRIDE_RATIO: f64 = 1.0;
 
 pub fn feed(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let parts = [0.2, 0.4, 0.6, 0.75, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 1.25, 1.5];
@@ -22,7 +22,7 @@ pub fn rapid(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         return Vec::new();
     }
     let own = context.machine.overrides.rapid;
-    let largest = LARGEST_RAPID_OVERRIDE.max(own);
+    let largest = MAX_RAPID_OVERRIDE_RATIO.max(own);
     let trials = [0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.1, 1.3].map(|part| part * own);
     let possible = trials.into_iter().filter(|trial| *trial <= largest).collect();
     let freed = parameters::RAPID_OVERRIDE.tried_around(largest);

@@ -40,9 +40,9 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     let by_axes = axis_feedrate(segment, machine);
     let feedrate = match segment.motion {
         Motion::Rapid => {
-            let share = machine.share_of_feed_override(machine.overrides.of_feed(segment.line.0));
-            overridden_rapid(segment, machine, share).min(by_axes)
-                * machine.overrides.of_rapid(segment.line.0)
+            let overrides = &machine.overrides;
+            overridden_rapid(segment, machine, overrides.of_feed(segment.line.0)).min(by_axes)
+                * overrides.of_rapid(segment.line.0)
         }
         Motion::Feed { feedrate } => {
             clamped_before_override(feedrate, by_axes, segment, machine)
@@ -82,10 +82,10 @@ pub fn rapid_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     overridden_rapid(segment, machine, 1.0)
 }
 
-/// Returns the feedrate of a rapid segment whose programmed rate, that of the path, an override multiplies by `share`, mm/s:
-/// the axes keep their limits.
-pub fn overridden_rapid(segment: &Segment, machine: &Machine, share: f64) -> f64 {
-    let along_path = machine.rapid.feedrate * share;
+/// Returns the feedrate of a rapid segment at a feed override, mm/s. On controls whose feed override slows rapids, it slows the
+/// rate along the path and not the limits of the axes.
+pub fn overridden_rapid(segment: &Segment, machine: &Machine, feed_override: f64) -> f64 {
+    let along_path = machine.rapid.feedrate * machine.rapid_ratio_at(feed_override);
     if has_no_axis_rapid(machine) {
         return along_path;
     }

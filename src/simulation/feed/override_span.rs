@@ -10,7 +10,7 @@
 //!       F       r F   r F         r F          F                  r ratio, F programmed feedrate
 //! ```
 //!
-//! Where the override acts on rapids too ([`Machine::share_of_feed_override`]), those within the span become feed moves.
+//! Where the override acts on rapids too ([`Machine::rapid_ratio_at`]), those within the span become feed moves.
 //!
 //! Limits: the ramp to a lower feedrate ends where the switch is turned instead of beginning there, and so
 //! comes too early by its length; rotary axes that turn alone keep the programmed rate.
@@ -71,12 +71,11 @@ fn push(
     machine: &Machine,
 ) {
     let mut part = segment.part(start, end);
-    let slowed = machine.share_of_feed_override(ratio);
     match &mut part.motion {
         Motion::Feed { feedrate } => *feedrate = limits::overridable(*feedrate, segment, machine) * ratio,
-        Motion::Rapid if slowed == 1.0 => {}
+        Motion::Rapid if machine.rapid_ratio_at(ratio) == 1.0 => {}
         Motion::Rapid => {
-            let feedrate = limits::overridden_rapid(segment, machine, slowed);
+            let feedrate = limits::overridden_rapid(segment, machine, ratio);
             part.motion = Motion::Feed { feedrate: feedrate * machine.overrides.of_rapid(segment.line.0) };
         }
     }
