@@ -49,8 +49,11 @@ pub struct Kind {
 const ANY: fn(&Manner) -> bool = |_| true;
 const BLENDS: fn(&Manner) -> bool = |manner| manner.path != PathMode::Exact;
 
-const ALL: &[Family] = &[Family::LinuxCnc, Family::Grbl, Family::Klipper];
-const BY_AXIS: &[Family] = &[Family::LinuxCnc, Family::Grbl];
+const ALL: &[Family] = &[Family::LinuxCnc, Family::Grbl, Family::Klipper, Family::Marlin, Family::TinyG];
+const WITH_RAPID_OVERRIDE: &[Family] = &[Family::LinuxCnc, Family::Grbl];
+const WITH_AXIS_VELOCITY: &[Family] = &[Family::LinuxCnc, Family::Grbl, Family::Marlin, Family::TinyG];
+const WITH_AXIS_ACCELERATION: &[Family] = &[Family::LinuxCnc, Family::Grbl, Family::Marlin];
+const BUFFERED: &[Family] = &[Family::Grbl, Family::Marlin, Family::TinyG];
 const LINUXCNC: &[Family] = &[Family::LinuxCnc];
 const GRBL: &[Family] = &[Family::Grbl];
 const KLIPPER: &[Family] = &[Family::Klipper];
@@ -66,12 +69,12 @@ const fn kind(
 
 /// Those of LinuxCNC come first, in the order in which its seeds draw them.
 pub static KINDS: [Kind; 24] = [
-    kind("axis_acceleration", BY_AXIS, ANY, axis_acceleration),
-    kind("axis_velocity", BY_AXIS, ANY, axis_velocity),
+    kind("axis_acceleration", WITH_AXIS_ACCELERATION, ANY, axis_acceleration),
+    kind("axis_velocity", WITH_AXIS_VELOCITY, ANY, axis_velocity),
     kind("feed_override", ALL, ANY, feed_override),
     kind("feed_override_interval", ALL, ANY, feed_override_interval),
-    kind("rapid_override", BY_AXIS, ANY, rapid_override),
-    kind("feed_hold", BY_AXIS, ANY, |random, case| halt("--hold-at", random, case)),
+    kind("rapid_override", WITH_RAPID_OVERRIDE, ANY, rapid_override),
+    kind("feed_hold", WITH_RAPID_OVERRIDE, ANY, |random, case| halt("--hold-at", random, case)),
     kind("operator_pause", LINUXCNC, ANY, |random, case| halt("--pause-at", random, case)),
     kind("blend_tolerance", LINUXCNC, BLENDS, blend_tolerance),
     kind("exact_path", LINUXCNC, BLENDS, |_, _| Drawn::new("--path", "G61".into(), json!({ "mode": "G61" }))),
@@ -88,7 +91,7 @@ pub static KINDS: [Kind; 24] = [
     Kind { name: "servo_lag", bends_path: true, on: LINUXCNC, applies: ANY, draw: servo_lag },
     Kind { name: "backlash", bends_path: true, on: LINUXCNC, applies: ANY, draw: backlash },
     kind("junction_deviation", GRBL, ANY, junction_deviation),
-    kind("look_ahead", GRBL, ANY, look_ahead),
+    kind("look_ahead", BUFFERED, ANY, look_ahead),
     kind("axis_acceleration", KLIPPER, ANY, acceleration_of_z),
     kind("path_acceleration", KLIPPER, ANY, path_acceleration),
     kind("square_corner_velocity", KLIPPER, ANY, square_corner_velocity),

@@ -15,13 +15,21 @@ pub enum Family {
     /// Written after the real one, as [`crate::planners`] says.
     Grbl,
     Klipper,
+    Marlin,
+    TinyG,
 }
 
 impl Family {
     pub fn named(name: &str) -> Option<Family> {
-        [("linuxcnc", Family::LinuxCnc), ("grbl", Family::Grbl), ("klipper", Family::Klipper)]
-            .into_iter()
-            .find_map(|(own, family)| (own == name).then_some(family))
+        [
+            ("linuxcnc", Family::LinuxCnc),
+            ("grbl", Family::Grbl),
+            ("klipper", Family::Klipper),
+            ("marlin", Family::Marlin),
+            ("tinyg", Family::TinyG),
+        ]
+        .into_iter()
+        .find_map(|(own, family)| (own == name).then_some(family))
     }
 }
 
@@ -61,6 +69,17 @@ impl Limits {
             Family::Grbl => {
                 let deviation = rounded(random.log_uniform(0.004, 0.06));
                 self.settings = vec![("--junction-deviation".into(), deviation)];
+            }
+            Family::Marlin => {
+                let step = rounded(random.log_uniform(1.0, 15.0));
+                let is_curved = if random.chance(0.5) { 1.0 } else { 0.0 };
+                self.settings = vec![("--corner-step".into(), step), ("--s-curve".into(), is_curved)];
+            }
+            Family::TinyG => {
+                let deviation = rounded(random.log_uniform(0.01, 0.1));
+                let seconds = rounded(random.log_uniform(0.02, 0.2));
+                self.settings =
+                    vec![("--junction-deviation".into(), deviation), ("--jerk-time".into(), seconds)];
             }
             Family::Klipper => {
                 self.acceleration[1] = self.acceleration[0];

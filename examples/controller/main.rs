@@ -1,5 +1,5 @@
 //! A factory of truth from controllers: programs as shops have them, run by an unmodified LinuxCNC, or by planners written
-//! after grbl and Klipper, once as declared and again with exactly one thing changed, and the scoring of what `truefeed`
+//! after grbl and Klipper, or by two planners whose ramps no law of Truefeed was written after (Marlin, TinyG), once as declared and again with exactly one thing changed, and the scoring of what `truefeed`
 //! says about them.
 //!
 //! Programs, machines, changes and strengths follow from the seed. LinuxCNC itself repeats a recording to the period,
@@ -92,8 +92,9 @@ fn run() -> Result<(), Refusal> {
             }
             Long("control") => {
                 let name = arguments.value()?.string()?;
-                order.recorder.family = machine::Family::named(&name)
-                    .ok_or_else(|| format!("no control is called '{name}': linuxcnc, grbl or klipper"))?;
+                order.recorder.family = machine::Family::named(&name).ok_or_else(|| {
+                    format!("no control is called '{name}': linuxcnc, grbl, klipper, marlin or tinyg")
+                })?;
             }
             Long("recorder") => order.recorder.script = arguments.value()?.into(),
             Long("nice") => order.recorder.nice = arguments.value()?.parse()?,

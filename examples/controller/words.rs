@@ -75,7 +75,11 @@ impl Manner {
         let plain = Manner { path: PathMode::Unsaid, tool_changes: false, cycles: false, ..self.clone() };
         match family {
             Family::LinuxCnc => self,
-            Family::Grbl => plain,
+            Family::Grbl | Family::TinyG => plain,
+            Family::Marlin => {
+                let rapid_feed = Some((60.0 * limits.velocity[0].min(limits.velocity[1])).round());
+                Manner { rapid_feed, dwell_unit: 1e-3, ..plain }
+            }
             Family::Klipper => {
                 let rapid_feed = Some((60.0 * limits.velocity[0]).round());
                 Manner { rapid_feed, dwell_unit: 1e-3, stops_spindle: true, ..plain }

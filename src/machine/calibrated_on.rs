@@ -33,6 +33,8 @@ pub struct CalibratedOn {
     /// Half of the range that contains the motion time of nine in ten other programs within these features,
     /// as a part of that time; `None` if unknown.
     pub range: Option<f64>,
+    /// Misfit of the shape of ramps in the runs, the relative error of accelerations within ramps; `None` if unknown.
+    pub ramp_misfit: Option<f64>,
     /// Turns of corners between feed moves, rad.
     pub turns: Extent,
     /// Radii of arcs, mm.

@@ -16,6 +16,12 @@ pub struct Settings {
     pub square_corner_velocity: f64,
     /// Klipper's `minimum_cruise_ratio`.
     pub cruise_ratio: f64,
+    /// Marlin's largest step of an axis' velocity, mm/s.
+    pub corner_step: Option<f64>,
+    /// Whether Marlin's ramps are curves.
+    pub is_curved: bool,
+    /// The time after which TinyG's jerk has built up the acceleration of an axis, s.
+    pub jerk_time: Option<f64>,
     /// Blocks that the planner knows, the one in execution among them.
     pub look_ahead: usize,
     pub rapid_override: f64,
@@ -34,6 +40,9 @@ impl Default for Settings {
             junction_deviation: 0.01,
             square_corner_velocity: 5.0,
             cruise_ratio: 0.5,
+            corner_step: None,
+            is_curved: false,
+            jerk_time: None,
             look_ahead: 15,
             rapid_override: 1.0,
             feed_overrides: Vec::new(),
@@ -71,6 +80,9 @@ impl Settings {
             "--junction-deviation" => self.junction_deviation = value.parse()?,
             "--square-corner-velocity" => self.square_corner_velocity = value.parse()?,
             "--cruise-ratio" => self.cruise_ratio = value.parse()?,
+            "--corner-step" => self.corner_step = Some(value.parse()?),
+            "--s-curve" => self.is_curved = value != "0",
+            "--jerk-time" => self.jerk_time = Some(value.parse()?),
             "--look-ahead" => self.look_ahead = value.parse()?,
             _ => match (axis("--acc-"), axis("--vel-")) {
                 (Some(axis), _) => self.acceleration[axis] = value.parse()?,

@@ -5,15 +5,17 @@ use std::path::PathBuf;
 use serde_json::Value;
 use truefeed::identification::alignment::align;
 use truefeed::identification::calibration::calibrate;
+use truefeed::identification::comparison::ramp_misfit;
 use truefeed::identification::fit::Run;
 use truefeed::identification::recording;
 use truefeed::machine::{Junction, Machine};
 use truefeed::project::machine_from_toml;
+use truefeed::quote::MAX_RAMP_MISFIT;
 use truefeed::simulation::gcode;
 use truefeed::simulation::interpreter::trace;
 
 use super::reader::Item;
-use super::{grbl, klipper, piece, read};
+use super::{grbl, klipper, piece, read, s_curves};
 use crate::geometry::Job;
 use crate::kinds;
 use crate::machine::{Family, Limits};
@@ -63,6 +65,7 @@ fn recorded(path: &PathBuf) -> f64 {
 fn replayed(control: &str, items: &dyn Fn() -> Vec<Item>, settings: &Settings) -> Trace {
     match control {
         "grbl" => piece::sampled(&grbl::run(&items(), settings), 0.004, Some(grbl::STEP_MM)),
+        "marlin" | "tinyg" => piece::sampled(&s_curves::run(&items(), settings), 0.004, None),
         _ => piece::sampled(&klipper::run(&items(), settings), 0.004, None),
     }
 }
@@ -93,8 +96,15 @@ fn planners_take_as_long_as_the_software_that_they_are_written_after() {
 
 /// Returns the machine calibrated, from a file that knows nothing of it, on a job of a kind that a planner has run.
 fn calibrated(control: &str, kind: &str, settings: &Settings) -> Machine {
+    calibrated_with_misfit(control, kind, settings).0
+}
+
+/// Returns the machine as [`calibrated`] does, and the misfit of its ramps.
+fn calibrated_with_misfit(control: &str, kind: &str, settings: &Settings) -> (Machine, f64) {
     let (family, reading) = match control {
         "grbl" => (Family::Grbl, grbl::READING),
+        "marlin" => (Family::Marlin, s_curves::MARLIN),
+        "tinyg" => (Family::TinyG, s_curves::TINYG),
         _ => (Family::Klipper, klipper::READING),
     };
     let mut random = Random::new(1, 0);
@@ -116,7 +126,9 @@ fn calibrated(control: &str, kind: &str, settings: &Settings) -> Machine {
     let log = recording::read(&bytes).expect("a log").recordings.remove(0);
     let alignment = align(&log, &toolpath, &generic).expect("it is of that program");
     let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
-    calibrate(&generic, &runs, &mut |_| {}).machine
+    let machine = calibrate(&generic, &runs, &mut |_| {}).machine;
+    let misfit = ramp_misfit(runs[0].ramp_misfits(&machine)).expect("positions were recorded");
+    (machine, misfit)
 }
 
 /// A control of which every value is another than those from which a calibration begins: corners that are much slower, and
@@ -179,4 +191,33 @@ fn an_axis_of_grbl_holds_back_feed_moves_too() {
     );
     let held = found.axes.iter().map(|axis| axis.velocity).fold(f64::INFINITY, f64::min);
     assert!((held / 20.0 - 1.0).abs() < 0.01 || (held / 25.0 - 1.0).abs() < 0.01, "{held} mm/s");
+}
+
+/// TinyG ramps with a jerk, and limits no acceleration.
+#[test]
+fn ramps_of_constant_jerk_are_found() {
+    let truth = Settings {
+        acceleration: [900.0; 3],
+        velocity: [80.0; 3],
+        junction_deviation: 0.03,
+        jerk_time: Some(0.06),
+        ..Settings::default()
+    };
+    let (found, misfit) = calibrated_with_misfit("tinyg", "drilling", &truth);
+    assert!((found.path.jerk / 15e3 - 1.0).abs() < 0.05, "{} mm/s³", found.path.jerk);
+    assert!(misfit < MAX_RAMP_MISFIT, "{misfit}");
+}
+
+/// Marlin's curves last as long as trapezoids, and no law of the library has their shape.
+#[test]
+fn ramps_of_an_unknown_law_are_told() {
+    let truth = Settings {
+        acceleration: [400.0; 3],
+        velocity: [80.0; 3],
+        corner_step: Some(5.0),
+        is_curved: true,
+        ..Settings::default()
+    };
+    let (found, misfit) = calibrated_with_misfit("marlin", "pocket", &truth);
+    assert!(MAX_RAMP_MISFIT < misfit, "{misfit} {:?} {:?}", found.interpolator, found.path);
 }

@@ -236,7 +236,11 @@ impl<'a> Fitting<'a> {
                 None => of_families.push(next),
             }
         }
-        let of_families: Vec<Model> = of_families.into_iter().map(|model| self.restarted(model)).collect();
+        let fitted = of_families.into_iter().map(|model| {
+            let model = self.restarted(model);
+            self.with_jerk_limit(model)
+        });
+        let of_families: Vec<Model> = fitted.collect();
         let nearest = of_families.into_iter().reduce(|best, next| {
             let is_nearer = self.is_nearer(&next, &best);
             if is_nearer { next } else { best }
@@ -275,6 +279,36 @@ impl<'a> Fitting<'a> {
             planner = Model { best, whitenings, order: 1 };
         }
         planner
+    }
+
+    /// Returns the planner with a jerk limit of its ramps if that is nearer by far, otherwise as it is.
+    fn with_jerk_limit(&mut self, planner: Model) -> Model {
+        if std::env::var("NOJERK").is_ok() {
+            return planner;
+        }
+        let limited = families::with_jerk_limit(&planner.best.machine, self.runs, &planner.whitenings);
+        let Some(start) = limited else { return planner };
+        eprintln!(
+            "jerk {:?} {:?} cost {} guess {} {:?} wander {}",
+            planner.best.machine.interpolator.junction,
+            planner.best.machine.axes.map(|a| a.acceleration),
+            planner.best.cost,
+            cost_of(&start, self.runs, &planner.whitenings),
+            start.path.jerk,
+            wander(&planner.whitenings)
+        );
+        let (best, whitenings) = self.fit_at_own_noise(&start, 1, FTOL);
+        let found = self.restarted(Model { best, whitenings, order: 1 });
+        eprintln!(
+            "   -> {:?} {:?} cost {} from {} jerk {} wander {}",
+            found.best.machine.interpolator.junction,
+            found.best.machine.axes.map(|a| a.acceleration),
+            found.best.cost,
+            cost_of(&planner.best.machine, self.runs, &found.whitenings),
+            found.best.machine.path.jerk,
+            wander(&found.whitenings)
+        );
+        if self.is_nearer(&found, &planner) { found } else { planner }
     }
 
     /// Returns `true` if a planner is nearer to the runs than an earlier one: by far if both blend corners in time or it has

@@ -7,7 +7,9 @@
 
 use crate::identification::calibration::nearest;
 use crate::identification::calibration::rapids::{RapidPlateaus, limit_feed_as_rapids};
-use crate::identification::effects::parameters::{JUNCTION_RATIOS, MAX_OVERRIDE, PLANNER_ACCELERATION};
+use crate::identification::effects::parameters::{
+    JUNCTION_RATIOS, MAX_OVERRIDE, PATH_JERK, PLANNER_ACCELERATION,
+};
 use crate::identification::fit::{Run, Whitening};
 use crate::machine::{Junction, KLIPPER_MIN_CRUISE_RATIO, Machine, Planner};
 
@@ -18,6 +20,9 @@ const INITIAL_CRUISE_RATIOS: [f64; 2] = [KLIPPER_MIN_CRUISE_RATIO, 0.1];
 const RESTART_ACCELERATION_RATIOS: [f64; 3] = [0.6, 1.0, 1.6];
 /// Factors by which a restart multiplies the fitted value of the junction law.
 const RESTART_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
+
+/// Accelerations of all axes tried beside each jerk limit, mm/s²; the highest limits no ramp.
+const JERK_ACCELERATIONS_MM_S2: [f64; 3] = [1e4, 1500.0, 500.0];
 
 /// A family of planners as a calibration tries it.
 #[derive(Clone, Copy)]
@@ -133,6 +138,26 @@ pub fn beside_minimum(machine: &Machine, runs: &[Run], whitenings: &[Whitening])
     let scaled =
         accelerated.flat_map(|of| RESTART_JUNCTION_RATIOS.map(|ratio| of.with_scaled_junction(ratio)));
     nearest([machine.clone()].into_iter().chain(scaled), runs, whitenings).filter(|other| other != machine)
+}
+
+/// Returns the nearest of a fitted planner with a jerk limit of its ramps; `None` if its family blends corners in time or its
+/// jerk is already limited. A fitted acceleration without a jerk limit is the mean of a ramp, so higher ones are tried beside
+/// each jerk, with corners as fast as before.
+pub fn with_jerk_limit(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Option<Machine> {
+    if !matches!(machine.interpolator.junction, Junction::Deviation(_) | Junction::SquareCorner(_))
+        || machine.path.jerk.is_finite()
+    {
+        return None;
+    }
+    let with_acceleration = |acceleration: &f64| {
+        let mut of = machine.clone();
+        let own = machine.axes.map(|axis| axis.acceleration).into_iter().fold(f64::INFINITY, f64::min);
+        of.axes.iter_mut().for_each(|axis| axis.acceleration = *acceleration);
+        of.with_scaled_junction(own / acceleration)
+    };
+    let limited: Vec<Machine> = JERK_ACCELERATIONS_MM_S2.iter().map(with_acceleration).collect();
+    let nearest_ramps = nearest(limited.iter().flat_map(|of| PATH_JERK.guesses_on(of)), runs, whitenings)?;
+    nearest(RESTART_JUNCTION_RATIOS.map(|ratio| nearest_ramps.with_scaled_junction(ratio)), runs, whitenings)
 }
 
 /// Returns the machine with another way to blend corners if that is nearer to the runs; `None` if none is nearer or

@@ -20,11 +20,13 @@ mod lost_time;
 mod contour_deviation;
 mod measures;
 mod pointwise;
+mod ramp_shape;
 
 pub use contour_deviation::{ContourDeviation, TYPICAL_PARTS};
 pub use lost_time::{LostTimeCurve, lost_time_curve};
 pub use measures::{FeedError, PooledFeedError, PositionError, feed_error_during};
 pub use pointwise::{Pointwise, pointwise};
+pub use ramp_shape::{ramp_misfit, ramp_misfits};
 
 use std::ops::Range;
 

@@ -20,7 +20,7 @@ fn numbers_of(axes: [bool; 3]) -> Option<Vec<f64>> {
 }
 
 /// The rows, in the order of forms and files; an edit of the motion clears them.
-pub const CALIBRATED: [Parameter; 18] = [
+pub const CALIBRATED: [Parameter; 19] = [
     row!("calibration.cycle_time_error_percent", "Error of the cycle time", optional Percent (0.0, 100.0) [cycle_time_error],
         "By how much the cycle time was off when these numbers were calibrated; the uncertainty of a quote. Empty: unknown. Editing the motion empties it."),
     row!("calibration.unexplained_percent", "Time left unexplained", optional Percent (0.0, 1000.0) [unexplained_time],
@@ -31,6 +31,8 @@ pub const CALIBRATED: [Parameter; 18] = [
         "Geometric mean of the same distance over short parts of the run, at the calibration: unlike the root mean square, a few places where the form is far off do not raise it. Empty: unknown."),
     row!("calibration.range_percent", "Range on other programs", optional Percent (0.0, 100.0) [calibrated_on.range],
         "On nine in ten other programs, the time of the motion is off by at most this much, if they ask for nothing that the calibration did not see. Empty: unknown."),
+    row!("calibration.ramp_misfit_percent", "Misfit of ramps", optional Percent (0.0, 1000.0) [calibrated_on.ramp_misfit],
+        "By how much the acceleration within ramps was off when these numbers were calibrated, half of it more and half less. Above 7.5 % the machine ramps by a law that this file does not have, and the time of other programs is far less certain. Empty: unknown."),
     row!("calibration.turns_deg", "Corners calibrated on", extent Degree (0.0, 180.0) [calibrated_on.turns],
         "Smallest and largest turn of a corner in the calibrating runs. Other corners make a quote less certain."),
     row!("calibration.radii_mm", "Arcs calibrated on", extent Millimetre (0.0, 1e6) [calibrated_on.radii],

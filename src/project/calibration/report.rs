@@ -14,6 +14,7 @@ use crate::project::figures::{FITTED_DIGITS, as_short, significant, to_the_digit
 use crate::project::machine::form::{machine_from_form, values};
 use crate::project::recording::comparison::{feedrate, percent};
 use crate::project::recording::measured_laws::MeasuredReport;
+use crate::quote::{MAX_RAMP_MISFIT, OTHER_LAW_ERROR_RATIO};
 use crate::units::{PERCENT, Unit, mm_per_min};
 
 /// Key of planners with steps of velocity.
@@ -292,6 +293,14 @@ fn remarks(calibration: &Calibration) -> Vec<String> {
             "Filters do not explain these runs: the control plans its ramps and passes corners with a step of velocity, so the time constant and the contour tolerance of this machine mean nothing."
                 .to_string(),
         );
+    }
+    let misfit = calibration.machine.calibrated_on.ramp_misfit;
+    if let Some(misfit) = misfit.filter(|misfit| MAX_RAMP_MISFIT < *misfit) {
+        all.push(format!(
+            "Accelerations within ramps are off by {:.0} % in the median: the control ramps by a law that Truefeed does not have. The times of these programs are right, those of other programs may be off by {:.0} %.",
+            PERCENT * misfit,
+            PERCENT * OTHER_LAW_ERROR_RATIO
+        ));
     }
     let (keys, correlations) = &calibration.correlations;
     let label =

@@ -5,12 +5,13 @@ use crate::project::TextFault;
 use crate::units::Unit;
 
 /// Keys of a machine's calibration: its errors and programs.
-pub const CALIBRATION_KEYS: [&str; 18] = [
+pub const CALIBRATION_KEYS: [&str; 19] = [
     "calibration.cycle_time_error_percent",
     "calibration.unexplained_percent",
     "calibration.form_error_mm",
     "calibration.typical_form_error_mm",
     "calibration.range_percent",
+    "calibration.ramp_misfit_percent",
     "calibration.turns_deg",
     "calibration.radii_mm",
     "calibration.blocks_mm",

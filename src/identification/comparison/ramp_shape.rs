@@ -1,0 +1,207 @@
+//! Shape of ramps: the part of the recorded changes of feedrate that a simulation does not explain, whatever the time
+//! lost.
+//!
+//! A recording consists of windows of [`WINDOW_S`], or of [`MIN_ROWS`] rows if these last longer. In each window
+//!
+//! ```text
+//! misfit² = Σ ((e − a − b v)² − σ²) / Σ (s − c − d t)²
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | e | recorded less simulated position, along the motion | mm |
+//! | v, s | simulated velocity and distance along the path | mm/s, mm |
+//! | t | simulated time | s |
+//! | σ | noise of positions | mm |
+//! | a, b | shift and delay of the window, by least squares | mm, s |
+//! | c, d | motion at constant velocity, by least squares | mm, mm/s |
+//!
+//! Within a ramp the misfit is the relative error of the simulated acceleration. It is 0 if each ramp has its recorded shape.
+//! The misfit of a run is the median over its windows, weighted by the denominator, so that a few places at which the
+//! simulation is far off do not change it. Limits: a window that is longer than a ramp dilutes its misfit.
+
+use crate::identification::alignment::{Alignment, Track};
+use crate::identification::comparison::Comparison;
+use crate::machine::Machine;
+use crate::simulation::drive::AxisMotion;
+use crate::simulation::feed::FeedPlan;
+use crate::simulation::ordered::weighted_median;
+use crate::simulation::profile::{Profile, Resolution};
+use crate::simulation::toolpath::Toolpath;
+
+/// Duration of a window, s: shorter than most ramps, and long enough for noise of micrometres.
+const WINDOW_S: f64 = 1.0 / 15.0;
+/// Duration above which a window shows no ramp, s.
+const MAX_WINDOW_S: f64 = 0.5;
+/// Least number of rows of a window.
+const MIN_ROWS: usize = 8;
+/// Largest number of rows of a run that are compared.
+const MAX_ROWS: usize = 16_000;
+
+/// Returns the squared misfit of each window of a run with its weight, mm²; empty if positions were not recorded or too seldom.
+/// `comparison` compares the run with `plan`.
+pub fn ramp_misfits(
+    toolpath: &Toolpath,
+    plan: &FeedPlan,
+    machine: &Machine,
+    alignment: &Alignment,
+    comparison: &Comparison,
+) -> Vec<(f64, f64)> {
+    let (Some(track), Some(first)) = (&alignment.track, alignment.marks.first()) else { return Vec::new() };
+    let rows = ((WINDOW_S / track.interval) as usize).max(MIN_ROWS);
+    if MAX_WINDOW_S < rows as f64 * track.interval {
+        return Vec::new();
+    }
+    let samples = Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 });
+    let motion = [0, 1, 2].map(|axis| AxisMotion::of(&samples, machine, axis));
+    let offset = first.time - comparison.simulated[0];
+    let every = alignment.fixes.len().div_ceil(MAX_ROWS).max(1);
+    let (mut mark, mut near) = (0, [0; 3]);
+    let mut found = Vec::new();
+    for fixes in alignment.fixes.chunks_exact(rows).step_by(every) {
+        let mut window = Window::default();
+        for fix in fixes {
+            let Some(sample) = fix.sample else { continue };
+            while mark + 1 < alignment.marks.len() && alignment.marks[mark + 1].time <= fix.time {
+                mark += 1;
+            }
+            window.add(fix.time - offset - comparison.residuals[mark], track, sample, &motion, &mut near);
+        }
+        found.extend(window.misfit(track.noise));
+    }
+    found
+}
+
+/// Returns the misfit of runs, given the misfits of all their windows; `None` if there are none.
+pub fn ramp_misfit(windows: Vec<(f64, f64)>) -> Option<f64> {
+    weighted_median(windows).map(f64::sqrt)
+}
+
+/// The rows of a window: time (s), velocity and distance of the simulation, and the recorded position ahead of it (mm).
+#[derive(Default)]
+struct Window {
+    time: Vec<f64>,
+    velocity: Vec<f64>,
+    distance: Vec<f64>,
+    ahead: Vec<f64>,
+}
+
+impl Window {
+    /// Adds a sample of the track at a simulated time (s). For each axis `near` has the row that the last search found.
+    fn add(
+        &mut self,
+        time: f64,
+        track: &Track,
+        sample: usize,
+        motion: &[AxisMotion; 3],
+        near: &mut [usize; 3],
+    ) {
+        let position = track.position[sample];
+        let (mut along, mut squares) = (0.0, 0.0);
+        for axis in (0..3).filter(|axis| track.recorded[*axis]) {
+            let (simulated, velocity) = motion[axis].at(time, &mut near[axis]);
+            along += (position[axis] - simulated) * velocity;
+            squares += velocity * velocity;
+        }
+        let velocity = squares.sqrt();
+        self.push(time, velocity, if 0.0 < velocity { along / velocity } else { 0.0 });
+    }
+
+    fn push(&mut self, time: f64, velocity: f64, ahead: f64) {
+        let before = self.time.last().zip(self.velocity.last()).zip(self.distance.last());
+        let distance = before.map_or(0.0, |((time_before, velocity_before), distance)| {
+            distance + 0.5 * (velocity + velocity_before) * (time - time_before)
+        });
+        self.time.push(time);
+        self.velocity.push(velocity);
+        self.distance.push(distance);
+        self.ahead.push(ahead);
+    }
+
+    /// Returns the squared misfit at this noise of positions (mm), and the weight of the window, mm²; `None` if its feedrate
+    /// does not change.
+    fn misfit(&self, noise: f64) -> Option<(f64, f64)> {
+        let change = squares_about_line(&self.time, &self.distance);
+        let of_noise = noise * noise * (self.time.len() as f64 - 2.0);
+        let left = (squares_about_line(&self.velocity, &self.ahead) - of_noise).max(0.0);
+        (of_noise < change).then(|| (left / change, change))
+    }
+}
+
+/// Returns the sum of the squared distances of `y` from its regression line over `x`.
+fn squares_about_line(x: &[f64], y: &[f64]) -> f64 {
+    let count = x.len().max(1) as f64;
+    let [mean_x, mean_y] = [x, y].map(|values| values.iter().sum::<f64>() / count);
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for (x, y) in x.iter().zip(y) {
+        let (x, y) = (x - mean_x, y - mean_y);
+        xx += x * x;
+        xy += x * y;
+        yy += y * y;
+    }
+    if 0.0 < xx { (yy - xy * xy / xx).max(0.0) } else { yy }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quote::MAX_RAMP_MISFIT;
+
+    /// Distance (mm) and velocity (mm/s) at a time (s) of a ramp from 0 to 50 mm/s around 0.
+    type Ramp = fn(time: f64, duration: f64) -> (f64, f64);
+
+    const FEEDRATE: f64 = 50.0;
+
+    fn linear(time: f64, duration: f64) -> (f64, f64) {
+        let part = (time / duration + 0.5).clamp(0.0, 1.0);
+        let after = (time - 0.5 * duration).max(0.0);
+        (FEEDRATE * (0.5 * part * part * duration + after), FEEDRATE * part)
+    }
+
+    /// A ramp whose acceleration rises and falls linearly: constant jerk.
+    fn s_curve(time: f64, duration: f64) -> (f64, f64) {
+        let part = (time / duration + 0.5).clamp(0.0, 1.0);
+        let after = (time - 0.5 * duration).max(0.0);
+        let (way, velocity) = if part < 0.5 {
+            (2.0 / 3.0 * part.powi(3), 2.0 * part * part)
+        } else {
+            let left = 1.0 - part;
+            (part - 0.5 + 2.0 / 3.0 * left.powi(3), 1.0 - 2.0 * left * left)
+        };
+        (FEEDRATE * (way * duration + after), FEEDRATE * velocity)
+    }
+
+    /// The misfit of simulated ramps to recorded ones, each with its duration (s), at the places that a window may have.
+    fn misfit((recorded, lasts): (Ramp, f64), (simulated, simulated_lasts): (Ramp, f64)) -> f64 {
+        let windows = (0..24).filter_map(|place| {
+            let mut window = Window::default();
+            let from = 0.02 * f64::from(place) - 0.25;
+            for row in 0..=16 {
+                let time = from + 0.004 * f64::from(row);
+                let (distance, velocity) = simulated(time, simulated_lasts);
+                window.push(time, velocity, recorded(time, lasts).0 - distance);
+            }
+            window.misfit(0.0)
+        });
+        ramp_misfit(windows.collect()).expect("the feedrate changes")
+    }
+
+    #[test]
+    fn trapezoids_are_told_from_ramps_of_constant_jerk() {
+        for lasts in [0.1, 0.2, 0.4] {
+            let trapezoids = (60..130).map(|percent| (linear as Ramp, 0.01 * f64::from(percent) * lasts));
+            let nearest = trapezoids.map(|trapezoid| misfit((s_curve, lasts), trapezoid));
+            let nearest = nearest.fold(f64::INFINITY, f64::min);
+            assert!(MAX_RAMP_MISFIT < nearest, "{nearest} for {lasts} s");
+        }
+    }
+
+    #[test]
+    fn an_acceleration_may_be_off_by_a_twentieth() {
+        for lasts in [0.05, 0.1, 0.2, 0.4] {
+            let off = misfit((linear, lasts), (linear, 1.05 * lasts));
+            assert!(off < MAX_RAMP_MISFIT, "{off} for {lasts} s");
+            assert_eq!(misfit((linear, lasts), (linear, lasts)), 0.0);
+        }
+    }
+}
