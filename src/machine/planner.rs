@@ -98,6 +98,19 @@ impl Machine {
         machine
     }
 
+    /// Returns the machine with the distance between arcs and their chords multiplied by `ratio`; unchanged if arcs have no
+    /// chords.
+    pub fn with_scaled_chords(&self, ratio: f64) -> Machine {
+        let mut machine = self.clone();
+        match &mut machine.interpolator.arc_chords {
+            ArcChords::Whole => {}
+            ArcChords::Within(distance) => *distance *= ratio,
+            // A chord within the distance e of an arc of radius r is √(8 r e) long.
+            ArcChords::Long(length) => *length *= ratio.sqrt(),
+        }
+        machine
+    }
+
     /// Returns the machine with the value of its junction law multiplied by `ratio`; for blends the value is
     /// the contour tolerance.
     pub fn with_scaled_junction(&self, ratio: f64) -> Machine {

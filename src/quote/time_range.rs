@@ -22,21 +22,22 @@
 //!
 //! If the runs do not show for which override the control plans its corners, the largest one that they allow may make the
 //! corners of a program faster; and an acceleration that the calibration assumed may be [`ASSUMED_ACCELERATION_RATIO`]
-//! times as high, or as low as the runs allow. Then the differences between these cycle times add to the range.
+//! times as high, or as low as the runs allow. If no run has an arc, its chords may be longer or shorter
+//! ([`OTHER_CHORD_RATIOS`]). Then the differences between these cycle times add to the range.
 //!
 //! A feed is faster if it moves an axis faster than any move of the runs, feed or rapid: if the runs recorded
 //! positions, an axis can cut as fast as it moved in rapid. A rapid is faster if an axis whose full rapid
 //! rate no run showed travels a distance w (mm) that is long enough to exceed V (mm/s), its highest velocity
-//! in the runs, or half the velocity of the fastest axis if larger. The rapid rate of the axis may be as low as V,
-//! so that with its acceleration A (mm/s²)
+//! in the runs, or half the velocity of the fastest axis if larger. The rapid rate of the axis may be as low as V, or is V
+//! at least if the machine file has assumed a lower one, so that with its acceleration A (mm/s²)
 //!
 //! ```text
-//! U = t(V) / t(R) − 1,  t(v) = w / v + v / A        R velocity reached in the simulation, at most √(A w)
+//! U = |t(V) / t(R) − 1|,  t(v) = w / v + v / A        R velocity reached in the simulation, at most √(A w)
 //! ```
 
 use std::collections::BTreeSet;
 
-use crate::machine::{CalibratedOn, Extent, Machine};
+use crate::machine::{ArcChords, CalibratedOn, Extent, Machine};
 use crate::simulation::feed::limits::{acceleration, largest_share, requested_feedrate};
 use crate::simulation::feed::stop_time;
 use crate::simulation::ordered::sort_by_number;
@@ -58,6 +59,9 @@ pub const MAX_RAMP_MISFIT: f64 = 0.075;
 /// Relative error of other programs that nine in ten do not exceed on a machine of another law: 13 pairs of programs of two such
 /// planners (seed 71) are off by 17 % in the median and by 41 % at most.
 pub const OTHER_LAW_ERROR_RATIO: f64 = 0.4;
+/// Ratios of the distance between arcs and their chords to that of the machine file if no run shows an arc: the defaults of
+/// grbl and TinyG differ by five.
+const OTHER_CHORD_RATIOS: [f64; 2] = [0.2, 5.0];
 /// Time on either side of a corner that the corner affects, s.
 const CORNER_REACH_S: f64 = 0.1;
 /// Least turn of a corner, rad.
@@ -261,8 +265,8 @@ fn rest_to_rest_time(way: f64, reached: f64, acceleration: f64) -> f64 {
     way / reached + reached / acceleration
 }
 
-/// Returns the part of a rapid in which an axis is faster than in any move of the runs; `None` if there is
-/// none.
+/// Returns the part of a rapid in which an axis whose rate was assumed is faster than in any move of the runs, or slower than
+/// they show it to be; `None` if there is none.
 fn faster_rapid(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> Option<Unshown> {
     let velocities = axis_velocities(segment, machine);
     let of_others = MIN_AXIS_RATIO * shown.into_iter().fold(0.0, f64::max);
@@ -272,9 +276,11 @@ fn faster_rapid(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> Option
         let way = (segment.end[axis] - segment.start[axis]).abs();
         let reached = reached_velocity(way, velocities[axis], acceleration);
         let lasts = |velocity: f64| rest_to_rest_time(way, velocity, acceleration);
-        let error = if 0.0 < shown { lasts(shown) / lasts(reached) - 1.0 } else { MAX_UNSHOWN_ERROR };
-        let is_faster = machine.calibrated_on.assumed_rapids[axis] && shown < reached;
-        is_faster.then(|| Unshown {
+        // The rate may be as low as shown, or be that if the machine file has a lower one.
+        let possible = reached_velocity(way, shown, acceleration);
+        let error =
+            if 0.0 < shown { (lasts(possible) / lasts(reached) - 1.0).abs() } else { MAX_UNSHOWN_ERROR };
+        (machine.calibrated_on.assumed_rapids[axis] && possible != reached).then(|| Unshown {
             feature: UnshownFeature::Rapids,
             lasts: lasts(reached),
             error: error.min(MAX_UNSHOWN_ERROR),
@@ -326,12 +332,21 @@ fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshow
         }
         other
     };
+    let has_unshown_arc = || {
+        on.radii == Extent(None)
+            && machine.interpolator.arc_chords != ArcChords::Whole
+            && toolpath.segments.iter().any(|segment| segment.curve != Curve::Line)
+    };
+    let chords = match has_unshown_arc() {
+        true => OTHER_CHORD_RATIOS.map(|ratio| machine.with_scaled_chords(ratio)).to_vec(),
+        false => Vec::new(),
+    };
     let overrides: Vec<Machine> = on.largest_override.map(planned_for).into_iter().collect();
     let accelerations = match on.assumed_accelerations.contains(&true) {
         true => [1.0 / ASSUMED_ACCELERATION_RATIO, ASSUMED_ACCELERATION_RATIO].map(accelerating).to_vec(),
         false => Vec::new(),
     };
-    if overrides.is_empty() && accelerations.is_empty() {
+    if overrides.is_empty() && accelerations.is_empty() && chords.is_empty() {
         return Vec::new();
     }
     let time = |machine: &Machine| simulate(toolpath, machine).cycle_time();
@@ -340,7 +355,11 @@ fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshow
         let lasts = others.iter().map(|other| (time(other) - own).abs()).fold(0.0, f64::max);
         Unshown { feature, lasts, error: 1.0 }
     };
-    vec![unshown(UnshownFeature::Overrides, overrides), unshown(UnshownFeature::Accelerations, accelerations)]
+    vec![
+        unshown(UnshownFeature::Overrides, overrides),
+        unshown(UnshownFeature::Accelerations, accelerations),
+        unshown(UnshownFeature::Arcs, chords),
+    ]
 }
 
 /// Returns the time by which a segment takes longer from rest to rest than at its feedrate, s.
@@ -522,6 +541,22 @@ mod tests {
         assert_eq!(unknown.unshown[0].0, UnshownFeature::Arcs);
         assert!((unknown.ratio - 0.01 - of_arc).abs() < 1e-6, "{unknown:?}");
         assert!(shares(Extent(Some((0.1, 3.0)))).ratio < 0.04);
+    }
+
+    #[test]
+    fn the_range_reaches_to_other_chords_if_the_runs_show_no_arc() {
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::JunctionDeviation, 900.0);
+        machine.path.jerk = 15e3;
+        let arc = path("G21 G90\nG1 X20 F3000\nG2 X20 Y0 I0 J-10\nG1 X40\n");
+        let shares = |radii: Extent| {
+            let on = CalibratedOn { range: Some(0.01), radii, ..features_of([&arc]) };
+            range(&arc, &Machine { calibrated_on: on, ..machine.clone() }).expect("calibrated").ratio
+        };
+        assert_eq!(shares(Extent(Some((5.0, 20.0)))), 0.01);
+        let time = |ratio: f64| simulate(&arc, &machine.with_scaled_chords(ratio)).cycle_time();
+        let other = (time(0.2) - time(1.0)).max(time(1.0) - time(5.0));
+        assert!(0.01 + other / (time(1.0)) < shares(Extent(None)), "{other} s");
     }
 
     #[test]

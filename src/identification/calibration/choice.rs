@@ -11,11 +11,12 @@ use crate::identification::calibration::{
     MIN_ORDER_COST_DROP_RATIO, ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, compared, families,
     largest_shift, polled, run_fit, set_order, steps, waits, wander, whitened, with_laws,
 };
-use crate::identification::comparison::Comparison;
+use crate::identification::comparison::{Comparison, ramp_misfit};
 use crate::identification::effects::MIN_EXPLAINED_SHARE;
 use crate::identification::effects::parameters::{DWELL_EXCESS, FILTERS, PROGRAM_START};
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::{Machine, TimeConstants};
+use crate::quote::MAX_RAMP_MISFIT;
 use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 
 /// Least shift of any moment of the runs that distinguishes two planners, s. Simulated planners are not more exact than a
@@ -139,7 +140,9 @@ impl<'a> Fitting<'a> {
             self.plateaus = Some(without);
             let start = without.limited_along_path(&model.best.machine, self.machine);
             let best = self.fit(&start, model.order, &model.whitenings, FTOL);
-            if best.cost < model.best.cost + MIN_CONTRADICTING_COST {
+            let is_contradicted = model.best.cost + MIN_CONTRADICTING_COST < best.cost
+                && self.can_distinguish(&best.machine, &model.best.machine);
+            if !is_contradicted {
                 model.best = best;
             } else {
                 self.plateaus = Some(seen);
@@ -281,34 +284,19 @@ impl<'a> Fitting<'a> {
         planner
     }
 
-    /// Returns the planner with a jerk limit of its ramps if that is nearer by far, otherwise as it is.
+    /// Returns the planner with a jerk limit if its ramps do not have the recorded shape and the limit is nearer by far,
+    /// otherwise as it is.
     fn with_jerk_limit(&mut self, planner: Model) -> Model {
-        if std::env::var("NOJERK").is_ok() {
+        let windows = self.runs.iter().flat_map(|run| run.ramp_misfits(&planner.best.machine)).collect();
+        if ramp_misfit(windows).is_none_or(|misfit| misfit <= MAX_RAMP_MISFIT) {
             return planner;
         }
-        let limited = families::with_jerk_limit(&planner.best.machine, self.runs, &planner.whitenings);
-        let Some(start) = limited else { return planner };
-        eprintln!(
-            "jerk {:?} {:?} cost {} guess {} {:?} wander {}",
-            planner.best.machine.interpolator.junction,
-            planner.best.machine.axes.map(|a| a.acceleration),
-            planner.best.cost,
-            cost_of(&start, self.runs, &planner.whitenings),
-            start.path.jerk,
-            wander(&planner.whitenings)
-        );
-        let (best, whitenings) = self.fit_at_own_noise(&start, 1, FTOL);
-        let found = self.restarted(Model { best, whitenings, order: 1 });
-        eprintln!(
-            "   -> {:?} {:?} cost {} from {} jerk {} wander {}",
-            found.best.machine.interpolator.junction,
-            found.best.machine.axes.map(|a| a.acceleration),
-            found.best.cost,
-            cost_of(&planner.best.machine, self.runs, &found.whitenings),
-            found.best.machine.path.jerk,
-            wander(&found.whitenings)
-        );
-        if self.is_nearer(&found, &planner) { found } else { planner }
+        let starts = families::with_jerk_limits(&planner.best.machine, self.runs, &planner.whitenings);
+        starts.iter().fold(planner, |planner, start| {
+            let (best, whitenings) = self.fit_at_own_noise(start, 1, FTOL);
+            let limited = self.restarted(Model { best, whitenings, order: 1 });
+            if self.is_nearer(&limited, &planner) { limited } else { planner }
+        })
     }
 
     /// Returns `true` if a planner is nearer to the runs than an earlier one: by far if both blend corners in time or it has

@@ -21,8 +21,13 @@ const RESTART_ACCELERATION_RATIOS: [f64; 3] = [0.6, 1.0, 1.6];
 /// Factors by which a restart multiplies the fitted value of the junction law.
 const RESTART_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
 
+/// Factors by which the accelerations of a planner with a jerk limit exceed the fitted ones without.
+const STEEPER_RAMP_RATIOS: [f64; 3] = [1.0, 2.0, 4.0];
 /// Accelerations of all axes tried beside each jerk limit, mm/s²; the highest limits no ramp.
 const JERK_ACCELERATIONS_MM_S2: [f64; 3] = [1e4, 1500.0, 500.0];
+
+/// Factors tried for the distance between arcs and their chords beside a jerk limit: 0.002, 0.01 and 0.05 mm with grbl's default.
+const CHORD_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
 
 /// A family of planners as a calibration tries it.
 #[derive(Clone, Copy)]
@@ -140,24 +145,35 @@ pub fn beside_minimum(machine: &Machine, runs: &[Run], whitenings: &[Whitening])
     nearest([machine.clone()].into_iter().chain(scaled), runs, whitenings).filter(|other| other != machine)
 }
 
-/// Returns the nearest of a fitted planner with a jerk limit of its ramps; `None` if its family blends corners in time or its
-/// jerk is already limited. A fitted acceleration without a jerk limit is the mean of a ramp, so higher ones are tried beside
-/// each jerk, with corners as fast as before.
-pub fn with_jerk_limit(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Option<Machine> {
+/// Returns the nearest machines of a fitted planner with a jerk limit along the path; none if its family blends corners in
+/// time or its jerk is already limited. A fitted acceleration without a jerk limit is the mean of a ramp, so the first machine
+/// has steeper ramps in each axis, and the second one an acceleration of all axes; corners remain as fast.
+pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Machine> {
     if !matches!(machine.interpolator.junction, Junction::Deviation(_) | Junction::SquareCorner(_))
         || machine.path.jerk.is_finite()
     {
-        return None;
+        return Vec::new();
     }
-    let with_acceleration = |acceleration: &f64| {
-        let mut of = machine.clone();
-        let own = machine.axes.map(|axis| axis.acceleration).into_iter().fold(f64::INFINITY, f64::min);
-        of.axes.iter_mut().for_each(|axis| axis.acceleration = *acceleration);
-        of.with_scaled_junction(own / acceleration)
+    let lowest = machine.axes.map(|axis| axis.acceleration).into_iter().fold(f64::INFINITY, f64::min);
+    let with_acceleration = |acceleration: f64| {
+        let mut of = machine.with_scaled_junction(lowest / acceleration);
+        of.axes.iter_mut().for_each(|axis| axis.acceleration = acceleration);
+        of
     };
-    let limited: Vec<Machine> = JERK_ACCELERATIONS_MM_S2.iter().map(with_acceleration).collect();
-    let nearest_ramps = nearest(limited.iter().flat_map(|of| PATH_JERK.guesses_on(of)), runs, whitenings)?;
-    nearest(RESTART_JUNCTION_RATIOS.map(|ratio| nearest_ramps.with_scaled_junction(ratio)), runs, whitenings)
+    let steeper = STEEPER_RAMP_RATIOS
+        .map(|ratio| machine.with_scaled_accelerations(ratio).with_scaled_junction(1.0 / ratio));
+    let alike = JERK_ACCELERATIONS_MM_S2.map(with_acceleration);
+    let near = |of: [Machine; 3]| {
+        let ramps = nearest(of.iter().flat_map(|of| PATH_JERK.guesses_on(of)), runs, whitenings)?;
+        let corners = nearest(
+            RESTART_JUNCTION_RATIOS.map(|ratio| ramps.with_scaled_junction(ratio)),
+            runs,
+            whitenings,
+        )?;
+        // Each chord has its own ramps.
+        nearest(CHORD_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)), runs, whitenings)
+    };
+    [steeper, alike].into_iter().filter_map(near).collect()
 }
 
 /// Returns the machine with another way to blend corners if that is nearer to the runs; `None` if none is nearer or

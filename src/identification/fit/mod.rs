@@ -36,7 +36,7 @@ pub use uncertainty::dispersion;
 pub use whitening::{NORMAL_MEDIAN_DEVIATION, Whitening};
 
 use crate::identification::alignment::{Alignment, ProgramPlace, times_at_marks};
-use crate::identification::comparison::{Comparison, compare, residuals};
+use crate::identification::comparison::{Comparison, compare, ramp_misfits, residuals};
 use crate::machine::Machine;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::simulate;
@@ -116,6 +116,12 @@ impl Run<'_> {
     /// Returns the plan of the run on a machine.
     pub fn plan(&self, machine: &Machine) -> FeedPlan {
         simulate(self.toolpath, &self.machine(machine))
+    }
+
+    /// Returns the squared misfits of the ramps of a machine in windows of the recording, each with its weight, mm².
+    pub fn ramp_misfits(&self, machine: &Machine) -> Vec<(f64, f64)> {
+        let (plan, alignment) = (self.plan(machine), self.by_clock(machine));
+        ramp_misfits(self.toolpath, &plan, machine, &alignment, &compare(self.toolpath, &plan, &alignment))
     }
 
     /// Returns the comparison of the recording with the run on a machine.

@@ -18,7 +18,7 @@
 //! leaving out, Stone 1974.
 
 use crate::identification::alignment::median;
-use crate::identification::comparison::{compare, ramp_misfit, ramp_misfits};
+use crate::identification::comparison::ramp_misfit;
 use crate::identification::fit::{FreeParameter, NORMAL_MEDIAN_DEVIATION, Run, Whitening, fit};
 use crate::machine::{CalibratedOn, Machine};
 use crate::quote::features_of;
@@ -43,7 +43,7 @@ pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f
     let errors = left_out(machine, runs, freed, &programs);
     CalibratedOn {
         range: Some(half_range(&errors, programs.len(), usual_error(machine, runs, freed.len()))),
-        ramp_misfit: ramp_misfit(runs.iter().flat_map(|run| misfits_of(run, machine)).collect()),
+        ramp_misfit: ramp_misfit(runs.iter().flat_map(|run| run.ramp_misfits(machine)).collect()),
         velocities: velocities(runs),
         assumed_accelerations: machine.calibrated_on.assumed_accelerations,
         least_accelerations: machine.calibrated_on.least_accelerations,
@@ -51,13 +51,6 @@ pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f
         assumed_rapids: machine.calibrated_on.assumed_rapids,
         ..features_of(runs.iter().map(|run| run.toolpath))
     }
-}
-
-/// Returns the misfits of the ramps of a run, with their weights.
-fn misfits_of(run: &Run, machine: &Machine) -> Vec<(f64, f64)> {
-    let plan = run.plan(machine);
-    let alignment = run.by_clock(machine);
-    ramp_misfits(run.toolpath, &plan, machine, &alignment, &compare(run.toolpath, &plan, &alignment))
 }
 
 /// Time over which velocities are averaged, s: noise of a micrometre changes the mean by less than 0.1 mm/s.

@@ -133,6 +133,7 @@ fn largest(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::Planner;
     use crate::simulation::feed::{Tolerances, command};
     use crate::simulation::gcode::read;
     use crate::simulation::interpreter::trace;
@@ -198,5 +199,26 @@ mod tests {
             assert!(time <= before, "{jerk}: {time}, {before}");
             before = time;
         }
+    }
+
+    /// A planner that knows few blocks stops within these, and each ramp ends in its block.
+    #[test]
+    fn a_short_look_ahead_slows_chains_of_short_blocks() {
+        let program: String = (1..=60).map(|x| format!("G1 X{x} F6000\n")).collect();
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::JunctionDeviation, 5000.0);
+        machine.path.jerk = 20e3;
+        let toolpath = trace(&read(program.as_bytes()), &machine);
+        let fastest = |look_ahead: f64| {
+            let mut machine = machine.clone();
+            machine.interpolator.look_ahead = look_ahead;
+            let plan = command(&toolpath, &machine, Tolerances::Programmed.into());
+            plan.corner_feedrates.iter().copied().fold(0.0, f64::max)
+        };
+        let ramp = Ramp { jerk: 20e3, acceleration: 5000.0 };
+        // Of five blocks the first is run, so a stop takes the other four.
+        let reached = (0..4).fold(0.0, |from, _| ramp.reach(from, 1.0, 100.0));
+        assert!((fastest(5.0) - reached).abs() < 1e-9, "{} {reached}", fastest(5.0));
+        assert!(fastest(5.0) < 0.8 * fastest(15.0));
     }
 }

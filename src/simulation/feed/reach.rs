@@ -8,7 +8,7 @@
 //! | filters | tolerance | steps, smoothed by the filters | feedrates |
 //! | filters after an acceleration | tolerance | constant acceleration | feedrates |
 //! | grbl, Klipper, Marlin | junction law | constant acceleration | feedrates; corners, without the running block |
-//! | any of these, with a jerk along the path | unchanged | constant jerk | unchanged |
+//! | any of these, with a jerk along the path | unchanged | constant jerk | unchanged, corners by these ramps |
 //! | LinuxCNC | circle or parabola (`corner_blend`) | constant acceleration per piece | starts of lines and circles |
 //!
 //! Between neighbours v² changes by 2 a L at most over a segment of length L (mm) and acceleration a (mm/s²), so
@@ -18,9 +18,12 @@
 //! v_k² ≤ Σ 2 a_j L_j      j = k … k + N − 2
 //! ```
 //!
+//! With a jerk along the path a ramp ends within its block, and v_k is what these ramps reach, from a stop backwards block by block.
+//!
 //! Source: grbl 1.1, planner.c, which always plans a stop behind the last block it knows; derived for the others.
 
 use crate::machine::Junction;
+use crate::simulation::feed::ramp::Ramp;
 use crate::simulation::feed::rest_to_rest::MotionPlanner;
 use crate::simulation::feed::{cruise, limits};
 use crate::simulation::running_sum::running_sum;
@@ -79,12 +82,35 @@ impl MotionPlanner<'_> {
         if look_ahead == f64::INFINITY || !self.plans_trapezoids() {
             return;
         }
+        if self.machine.path.jerk.is_finite() {
+            return self.see_ahead_with_jerk(corners, look_ahead as usize);
+        }
         let braked = self.braked();
         for (i, corner) in corners.iter_mut().enumerate() {
             let seen = (i as f64 + look_ahead) as usize;
             if let Some(end) = braked.get(seen).filter(|end| seen < braked.len() - 1 && end.is_finite()) {
                 *corner = corner.min((end - braked[i + 1]).max(0.0).sqrt());
             }
+        }
+    }
+
+    /// Lowers the corners (mm/s) as [`MotionPlanner::see_ahead`] does for a planner of ramps with constant jerk, which ends each ramp within
+    /// a block.
+    fn see_ahead_with_jerk(&self, corners: &mut [f64], look_ahead: usize) {
+        let ramps: Vec<Option<(Ramp, f64)>> =
+            (0..corners.len()).map(|i| Some((self.ramp(i)?, self.length(i)))).collect();
+        for i in 0..corners.len() {
+            let end = i + look_ahead;
+            if ramps.len() <= end {
+                break;
+            }
+            let most = corners[i];
+            let stopping = ramps[i + 1..end].iter().rev().try_fold(0.0, |from, ramp| {
+                let (ramp, length) = ramp.as_ref()?;
+                let reached = ramp.reach(from, *length, most);
+                (reached < most).then_some(reached)
+            });
+            corners[i] = stopping.unwrap_or(most);
         }
     }
 
