@@ -1,6 +1,7 @@
-//! A factory of truth from controllers: programs as shops have them, run by an unmodified LinuxCNC, or by planners written
-//! after grbl and Klipper, or by two planners whose ramps no law of Truefeed was written after (Marlin, TinyG), once as declared and again with exactly one thing changed, and the scoring of what `truefeed`
-//! says about them.
+//! A factory of truth from controllers: programs as shops have them, run by an unmodified LinuxCNC, or by planners
+//! written after grbl and Klipper, or by two planners whose ramps no law of Truefeed was written after (Marlin,
+//! TinyG), once as declared and again with exactly one thing changed, and the scoring of what `truefeed` says about
+//! them.
 //!
 //! Programs, machines, changes and strengths follow from the seed. LinuxCNC itself repeats a recording to the period,
 //! but for some 20 ms wherever a word empties its queue. `record` needs root and the recorder that it is pointed to.
@@ -14,9 +15,9 @@
 //!     [--truefeed target/release/truefeed --preset M.toml --jobs 2]
 //! ```
 //!
-//! `probe` records the project's probe on each machine of DIR as well; `score` then calibrates on it, too. `score` keeps the
-//! report of each case in REPORTS and does not ask again for those in there, so an interrupted run continues. It refuses a
-//! folder with the reports of another seed, build or preset.
+//! `probe` records the project's probe on each machine of DIR as well; `score` then calibrates on it, too. `score`
+//! keeps the report of each case in REPORTS and does not ask again for those in there, so an interrupted run
+//! continues. It refuses a folder with the reports of another seed, build or preset.
 
 mod changes;
 mod estimates;

@@ -1,7 +1,7 @@
 //! Marlin and TinyG, whose ramps no law of Truefeed was written after.
 //!
-//! - Marlin: trapezoids within the acceleration of the axes, of which each ramp may be a curve of fifth order (`S_CURVE_ACCELERATION`)
-//!   that takes as long, v = v₀ + Δv (10 τ³ − 15 τ⁴ + 6 τ⁵). No axis changes its velocity at a corner by more than its step
+//! - Marlin: trapezoids within the acceleration of the axes, of which each ramp may be a curve of fifth order
+//!   (`S_CURVE_ACCELERATION`) that takes as long, v = v₀ + Δv (10 τ³ − 15 τ⁴ + 6 τ⁵). No axis changes its velocity at a corner by more than its step
 //!   (`CLASSIC_JERK`), and from rest a motion begins with such a step.
 //! - TinyG: ramps within the jerk J of the axes and no limit of acceleration, 2 √(Δv / J) long, and the corners of grbl.
 //!

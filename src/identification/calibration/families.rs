@@ -26,7 +26,8 @@ const STEEPER_RAMP_RATIOS: [f64; 3] = [1.0, 2.0, 4.0];
 /// Accelerations of all axes tried beside each jerk limit, mm/s²; the highest limits no ramp.
 const JERK_ACCELERATIONS_MM_S2: [f64; 3] = [1e4, 1500.0, 500.0];
 
-/// Factors tried for the distance between arcs and their chords beside a jerk limit: 0.002, 0.01 and 0.05 mm with grbl's default.
+/// Factors tried for the distance between arcs and their chords beside a jerk limit: 0.002, 0.01 and 0.05 mm with
+/// grbl's default.
 const CHORD_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
 
 /// A family of planners as a calibration tries it.
@@ -36,8 +37,8 @@ struct CandidateFamily {
     /// `true` if the machine file's contour tolerance bounds the blends; `false` if nothing does. A fit cannot change from
     /// one to the other.
     keeps_tolerance: bool,
-    /// `true` if its axes, or the path on a control that limits that instead, are limited to the velocities that they reached
-    /// again and again.
+    /// `true` if its axes, or the path on a control that limits that instead, are limited to the velocities that they
+    /// reached again and again.
     is_limited: bool,
     /// Minimum cruise ratio, 0 if the family has none.
     cruise_ratio: f64,
@@ -96,8 +97,8 @@ pub fn guesses(
     candidates(&plain, plateaus).into_iter().flat_map(guess).collect()
 }
 
-/// Returns the families to be tried: blends with a contour tolerance and without, square corners with each cruise ratio, and
-/// all also with limits of velocity if a limit may have held them back.
+/// Returns the families to be tried: blends with a contour tolerance and without, square corners with each cruise
+/// ratio, and all also with limits of velocity if a limit may have held them back.
 fn candidates(plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<CandidateFamily> {
     let mut candidates = Vec::new();
     for planner in Planner::ALL {
@@ -123,8 +124,8 @@ fn candidates(plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<Candidate
     candidates
 }
 
-/// Returns the nearest of a fitted planner with scaled corners, accelerations and cruise ratios; `None` if that is the planner
-/// itself or its family blends corners in time, whose ways [`chosen_again`] tries.
+/// Returns the nearest of a fitted planner with scaled corners, accelerations and cruise ratios; `None` if that is
+/// the planner itself or its family blends corners in time, whose ways [`chosen_again`] tries.
 pub fn beside_minimum(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Option<Machine> {
     let junction = machine.interpolator.junction;
     if !matches!(junction, Junction::Deviation(_) | Junction::SquareCorner(_)) {
@@ -145,9 +146,10 @@ pub fn beside_minimum(machine: &Machine, runs: &[Run], whitenings: &[Whitening])
     nearest([machine.clone()].into_iter().chain(scaled), runs, whitenings).filter(|other| other != machine)
 }
 
-/// Returns the nearest machines of a fitted planner with a jerk limit along the path; none if its family blends corners in
-/// time or its jerk is already limited. A fitted acceleration without a jerk limit is the mean of a ramp, so the first machine
-/// has steeper ramps in each axis, and the second one an acceleration of all axes; corners remain as fast.
+/// Returns the nearest machines of a fitted planner with a jerk limit along the path; none if its family blends
+/// corners in time or its jerk is already limited. A fitted acceleration without a jerk limit is the mean of a ramp,
+/// so the first machine has steeper ramps in each axis, and the second one an acceleration of all axes; corners
+/// remain as fast.
 pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Machine> {
     if !matches!(machine.interpolator.junction, Junction::Deviation(_) | Junction::SquareCorner(_))
         || machine.path.jerk.is_finite()
@@ -210,8 +212,8 @@ fn with_parabolas(planner: &Machine) -> Machine {
     machine
 }
 
-/// Returns the planner with the rapids limited as its family limits them, by each axis or along the path. Rapids are as fast
-/// as recorded or, if no positions were recorded, as fast as in the machine file and with the filters.
+/// Returns the planner with the rapids limited as its family limits them, by each axis or along the path. Rapids are
+/// as fast as recorded or, if no positions were recorded, as fast as in the machine file and with the filters.
 fn with_rapids(
     family: Planner,
     planner: &Machine,

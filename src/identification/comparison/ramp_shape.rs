@@ -16,9 +16,10 @@
 //! | a, b | shift and delay of the window, by least squares | mm, s |
 //! | c, d | motion at constant velocity, by least squares | mm, mm/s |
 //!
-//! Within a ramp the misfit is the relative error of the simulated acceleration. It is 0 if each ramp has its recorded shape.
-//! The misfit of a run is the median over its windows, weighted by the denominator, so that a few places at which the
-//! simulation is far off do not change it. Limits: a window that is longer than a ramp dilutes its misfit.
+//! Within a ramp the misfit is the relative error of the simulated acceleration. It is 0 if each ramp has its
+//! recorded shape. The misfit of a run is the median over its windows, weighted by the denominator, so that a few
+//! places at which the simulation is far off do not change it. Limits: a window that is longer than a ramp dilutes
+//! its misfit.
 
 use crate::identification::alignment::{Alignment, Track};
 use crate::identification::comparison::Comparison;
@@ -38,8 +39,8 @@ const MIN_ROWS: usize = 8;
 /// Largest number of rows of a run that are compared.
 const MAX_ROWS: usize = 16_000;
 
-/// Returns the squared misfit of each window of a run with its weight, mm²; empty if positions were not recorded or too seldom.
-/// `comparison` compares the run with `plan`.
+/// Returns the squared misfit of each window of a run with its weight, mm²; empty if positions were not recorded or
+/// too seldom. `comparison` compares the run with `plan`.
 pub fn ramp_misfits(
     toolpath: &Toolpath,
     plan: &FeedPlan,
@@ -118,8 +119,8 @@ impl Window {
         self.ahead.push(ahead);
     }
 
-    /// Returns the squared misfit at this noise of positions (mm), and the weight of the window, mm²; `None` if its feedrate
-    /// does not change.
+    /// Returns the squared misfit at this noise of positions (mm), and the weight of the window, mm²; `None` if its
+    /// feedrate does not change.
     fn misfit(&self, noise: f64) -> Option<(f64, f64)> {
         let change = squares_about_line(&self.time, &self.distance);
         let of_noise = noise * noise * (self.time.len() as f64 - 2.0);

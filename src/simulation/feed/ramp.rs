@@ -60,7 +60,14 @@ impl Ramp {
         if most <= from || self.length(from, most) <= length {
             return most;
         }
-        largest(from, most, |to| self.length(from, to) <= length)
+        largest(from, most, |to| (self.length(from, to) - length, self.slope(from, to)))
+    }
+
+    /// Returns the derivative of the length of a ramp by the feedrate of its faster end (mm/s), s.
+    fn slope(&self, slower: f64, faster: f64) -> f64 {
+        let rise = self.rise(faster - slower);
+        let change = if rise < self.acceleration / self.jerk { self.jerk * rise } else { self.acceleration };
+        0.5 * (self.time(slower, faster) + (slower + faster) / change)
     }
 
     /// Returns the parts of a block of `length` (mm) at `feedrate` (mm/s) in order: hold, ramp, cruise, ramp,
@@ -73,7 +80,8 @@ impl Ramp {
         let (peak, cruise, [slow, fast]) = if through(feedrate) <= room {
             (feedrate, (room - through(feedrate)) / feedrate, [slower.hold, faster.hold])
         } else if between < room {
-            let peak = largest(faster.feedrate, feedrate, |peak| through(peak) <= room);
+            let slope = |peak: f64| self.slope(first.feedrate, peak) + self.slope(last.feedrate, peak);
+            let peak = largest(faster.feedrate, feedrate, |peak| (through(peak) - room, slope(peak)));
             (peak, (room - through(peak)).max(0.0) / peak, [slower.hold, faster.hold])
         } else {
             let room = (length - between).max(0.0);
@@ -118,14 +126,25 @@ impl Ramp {
     }
 }
 
-/// Returns the largest value between `low`, for which `holds` is true, and `high`, for which it is false.
-fn largest(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
+/// Returns the largest value between `low` and `high` at which an excess is not positive, by Newton steps within the
+/// interval that is left. `excess` returns the excess, which grows from at most 0 at `low` to more than 0 at `high`,
+/// and its derivative.
+fn largest(mut low: f64, mut high: f64, excess: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let mut value = high;
     while 1e-13 * high < high - low {
+        let (over, slope) = excess(value);
+        if over <= 0.0 {
+            low = value
+        } else {
+            high = value
+        }
         let middle = 0.5 * (low + high);
+        // A little further, so that the last steps come from both sides.
+        let next = value - over / slope - 2e-14 * high * over.signum();
+        value = if low < next && next < high { next } else { middle };
         if middle <= low || high <= middle {
             break;
         }
-        if holds(middle) { low = middle } else { high = middle }
     }
     low
 }

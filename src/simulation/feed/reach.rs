@@ -18,7 +18,8 @@
 //! v_k² ≤ Σ 2 a_j L_j      j = k … k + N − 2
 //! ```
 //!
-//! With a jerk along the path a ramp ends within its block, and v_k is what these ramps reach, from a stop backwards block by block.
+//! With a jerk along the path a ramp ends within its block, and v_k is what these ramps reach, from a stop backwards
+//! block by block.
 //!
 //! Source: grbl 1.1, planner.c, which always plans a stop behind the last block it knows; derived for the others.
 
@@ -94,8 +95,8 @@ impl MotionPlanner<'_> {
         }
     }
 
-    /// Lowers the corners (mm/s) as [`MotionPlanner::see_ahead`] does for a planner of ramps with constant jerk, which ends each ramp within
-    /// a block.
+    /// Lowers the corners (mm/s) as [`MotionPlanner::see_ahead`] does for a planner of ramps with constant jerk,
+    /// which ends each ramp within a block.
     fn see_ahead_with_jerk(&self, corners: &mut [f64], look_ahead: usize) {
         let ramps: Vec<Option<(Ramp, f64)>> =
             (0..corners.len()).map(|i| Some((self.ramp(i)?, self.length(i)))).collect();

@@ -1,0 +1,123 @@
+//! The range of a program by what its calibration showed.
+
+use super::*;
+use crate::machine::Planner;
+use crate::simulation::gcode::read;
+use crate::simulation::interpreter::trace;
+
+fn path(program: &str) -> Toolpath {
+    trace(&read(program.as_bytes()), &Machine::default())
+}
+
+#[test]
+fn the_range_reaches_to_corners_that_are_planned_for_the_largest_override_that_runs_allow() {
+    let mut machine = Machine::default();
+    machine.become_planner(Planner::AccelerationBlend, 400.0);
+    machine.interpolator.max_override = 1.2;
+    let corners = path("G21 G90\nG1 X40 F1500\nY40\nX80\nY80\n");
+    let known = CalibratedOn { range: Some(0.02), ..features_of([&corners]) };
+    let unknown = CalibratedOn { largest_override: Some(2.0), ..known.clone() };
+    let [known, unknown] = [known, unknown].map(|calibrated_on| {
+        range(&corners, &Machine { calibrated_on, ..machine.clone() }).expect("calibrated")
+    });
+    assert_eq!(known.ratio, 0.02);
+    assert_eq!(unknown.unshown[0].0, UnshownFeature::Overrides);
+    let time = |machine: &Machine| simulate(&corners, machine).cycle_time();
+    let usual = time(&machine);
+    machine.interpolator.max_override = 2.0;
+    let programmed = 160.0 / 25.0;
+    assert!((0.02 + (usual - time(&machine)) / programmed - unknown.ratio).abs() < 1e-9, "{unknown:?}");
+    assert!(0.03 < unknown.ratio, "{unknown:?}");
+}
+
+#[test]
+fn an_arc_may_take_twice_as_long_if_the_runs_show_neither_corner_nor_arc() {
+    // The rapid shows the velocity of the feed.
+    let lines = path("G21 G90\nG1 X20 F1000\nG0 X0\n");
+    let arcs = path("G21 G90\nG1 X20 F3000\nG2 X20 Y0 I0 J-5\n");
+    let shares = |turns: Extent| {
+        let on =
+            CalibratedOn { range: Some(0.01), velocities: Some([200.0; 3]), turns, ..features_of([&lines]) };
+        range(&arcs, &Machine { calibrated_on: on, ..Machine::default() }).expect("calibrated")
+    };
+    let of_arc = 10.0 * std::f64::consts::PI / (20.0 + 10.0 * std::f64::consts::PI);
+    let unknown = shares(Extent(None));
+    assert_eq!(unknown.unshown[0].0, UnshownFeature::Arcs);
+    assert!((unknown.ratio - 0.01 - of_arc).abs() < 1e-6, "{unknown:?}");
+    assert!(shares(Extent(Some((0.1, 3.0)))).ratio < 0.04);
+}
+
+#[test]
+fn the_range_reaches_to_other_chords_if_the_runs_show_no_arc() {
+    let mut machine = Machine::default();
+    machine.become_planner(Planner::JunctionDeviation, 900.0);
+    machine.path.jerk = 15e3;
+    let arc = path("G21 G90\nG1 X20 F3000\nG2 X20 Y0 I0 J-10\nG1 X40\n");
+    let shares = |radii: Extent| {
+        let on = CalibratedOn { range: Some(0.01), radii, ..features_of([&arc]) };
+        range(&arc, &Machine { calibrated_on: on, ..machine.clone() }).expect("calibrated").ratio
+    };
+    assert_eq!(shares(Extent(Some((5.0, 20.0)))), 0.01);
+    let time = |ratio: f64| simulate(&arc, &machine.with_scaled_chords(ratio)).cycle_time();
+    let other = (time(0.2) - time(1.0)).max(time(1.0) - time(5.0));
+    assert!(0.01 + other / (time(1.0)) < shares(Extent(None)), "{other} s");
+}
+
+#[test]
+fn the_range_is_wide_if_the_recorded_ramps_have_another_shape() {
+    let legs = path("G21 G90\nG1 X40 F3000\nX0\n");
+    let ratio_with = |ramp_misfit: Option<f64>| {
+        let calibrated_on = CalibratedOn { range: Some(0.01), ramp_misfit, ..features_of([&legs]) };
+        range(&legs, &Machine { calibrated_on, ..Machine::default() }).expect("calibrated")
+    };
+    assert_eq!(ratio_with(None).ratio, 0.01);
+    assert_eq!(ratio_with(Some(0.9 * MAX_RAMP_MISFIT)).ratio, 0.01);
+    let other = ratio_with(Some(1.1 * MAX_RAMP_MISFIT));
+    assert!((other.ratio - 0.01 - OTHER_LAW_ERROR_RATIO).abs() < 1e-12, "{other:?}");
+    assert_eq!(other.unshown, [(UnshownFeature::Ramps, 1.0)]);
+}
+
+#[test]
+fn the_range_reaches_to_other_accelerations_if_one_was_assumed() {
+    let mut machine = Machine::default();
+    machine.become_planner(Planner::JunctionDeviation, 400.0);
+    let legs = path("G21 G90\nG1 X40 F3000\nX0\nX40\nX0\n");
+    let ratio_with = |assumed: [bool; 3], least: [f64; 3]| {
+        let calibrated_on = CalibratedOn {
+            range: Some(0.01),
+            assumed_accelerations: assumed,
+            least_accelerations: Some(least),
+            ..features_of([&legs])
+        };
+        range(&legs, &Machine { calibrated_on, ..machine.clone() }).expect("calibrated").ratio
+    };
+    // Four legs from rest to rest last v/A longer than at their feedrate.
+    let (slower, programmed) = (4.0 * 50.0 / 400.0 * (ASSUMED_ACCELERATION_RATIO - 1.0), 160.0 / 50.0);
+    let found = ratio_with([true, false, false], [0.0; 3]);
+    assert!((found - 0.01 - slower / programmed).abs() < 1e-3, "{found}");
+    assert_eq!(ratio_with([false, true, true], [0.0; 3]), 0.01);
+    // The runs allow no lower one, and a higher one saves less.
+    assert!(ratio_with([true, false, false], [400.0, 0.0, 0.0]) < found - 0.005);
+}
+
+#[test]
+fn the_range_reaches_to_full_stops_if_the_runs_show_no_corner() {
+    let mut machine = Machine::default();
+    machine.axes.iter_mut().for_each(|axis| axis.acceleration = 500.0);
+    let corners = path("G21 G90\nG1 X20 F3000\nY20\nX40\nY40\nX60\n");
+    let of = |runs: &Toolpath, machine: &Machine| {
+        let on = CalibratedOn { range: Some(0.02), ..features_of([runs]) };
+        range(&corners, &Machine { calibrated_on: on, ..machine.clone() }).expect("calibrated").ratio
+    };
+    let straight = path("G21 G90\nG1 X20 F3000\nG0 Z5\nG1 X50\n");
+    let [unknown, known] = [&straight, &corners].map(|runs| of(runs, &machine));
+    assert_eq!(known, 0.02);
+
+    let feedrate = 50.0;
+    let uniform = 100.0 / feedrate;
+    machine.interpolator.exact_stop_angle = 0.0;
+    let of_ends = feedrate / 500.0 + 3.0 * 0.0255;
+    let of_stops = simulate(&corners, &machine).cycle_time() - uniform - of_ends;
+    assert!(0.1 * uniform < of_stops, "{of_stops} s");
+    assert!(of_stops <= unknown * uniform, "{of_stops} s beyond ±{} %", 100.0 * unknown);
+}
