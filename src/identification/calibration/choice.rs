@@ -239,16 +239,12 @@ impl<'a> Fitting<'a> {
                 None => of_families.push(next),
             }
         }
-        let fitted = of_families.into_iter().map(|model| {
-            let model = self.restarted(model);
-            self.with_jerk_limit(model)
-        });
-        let of_families: Vec<Model> = fitted.collect();
+        let of_families: Vec<Model> = of_families.into_iter().map(|model| self.restarted(model)).collect();
         let nearest = of_families.into_iter().reduce(|best, next| {
             let is_nearer = self.is_nearer(&next, &best);
             if is_nearer { next } else { best }
         });
-        let Some(planner) = nearest else { return };
+        let Some(planner) = nearest.map(|planner| self.with_jerk_limit(planner)) else { return };
         // At the noise of the one that leaves less, or nothing would tell two apart that leave little.
         let with_filters = cost_of(&model.best.machine, self.runs, &planner.whitenings);
         // Filters shorter than a cycle of the control shape no ramp, so the control is a planner.
