@@ -128,7 +128,8 @@ fn pocket(random: &mut Random, job: &mut Job) {
 /// A rectangle with round corners, from the middle of its lower side and back to it.
 fn ring_around(job: &mut Job, a: f64, b: f64, corner: f64, clockwise: bool, feed: f64) {
     let (a, b, z) = (rounded(a.max(0.6)), rounded(b.max(0.6)), job.at[2]);
-    let r = rounded(corner.clamp(0.5, 0.8 * a.min(b)));
+    // A narrow ring has less room than the least radius.
+    let r = rounded(corner.max(0.5).min(0.8 * a.min(b)));
     let side = if clockwise { -1.0 } else { 1.0 };
     job.line([0.0, -b, z], feed);
     for (quadrant, (sx, sy)) in [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)].into_iter().enumerate() {
