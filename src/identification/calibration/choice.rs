@@ -142,10 +142,10 @@ impl<'a> Fitting<'a> {
             let best = self.fit(&start, model.order, &model.whitenings, FTOL);
             let is_contradicted = model.best.cost + MIN_CONTRADICTING_COST < best.cost
                 && self.can_distinguish(&best.machine, &model.best.machine);
-            if !is_contradicted {
-                model.best = best;
-            } else {
+            if is_contradicted {
                 self.plateaus = Some(seen);
+            } else {
+                model.best = best;
             }
         }
     }
