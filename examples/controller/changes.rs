@@ -50,7 +50,8 @@ const ANY: fn(&Manner) -> bool = |_| true;
 const BLENDS: fn(&Manner) -> bool = |manner| manner.path != PathMode::Exact;
 
 const ALL: &[Family] = &[Family::LinuxCnc, Family::Grbl, Family::Klipper, Family::Marlin, Family::TinyG];
-const WITH_RAPID_OVERRIDE: &[Family] = &[Family::LinuxCnc, Family::Grbl];
+/// Controls whose operator acts while a block runs.
+const WITHIN_BLOCKS: &[Family] = &[Family::LinuxCnc, Family::Grbl];
 const WITH_AXIS_VELOCITY: &[Family] = &[Family::LinuxCnc, Family::Grbl, Family::Marlin, Family::TinyG];
 const WITH_AXIS_ACCELERATION: &[Family] = &[Family::LinuxCnc, Family::Grbl, Family::Marlin];
 const BUFFERED: &[Family] = &[Family::Grbl, Family::Marlin, Family::TinyG];
@@ -73,8 +74,8 @@ pub static KINDS: [Kind; 24] = [
     kind("axis_velocity", WITH_AXIS_VELOCITY, ANY, axis_velocity),
     kind("feed_override", ALL, ANY, feed_override),
     kind("feed_override_interval", ALL, ANY, feed_override_interval),
-    kind("rapid_override", WITH_RAPID_OVERRIDE, ANY, rapid_override),
-    kind("feed_hold", WITH_RAPID_OVERRIDE, ANY, |random, case| halt("--hold-at", random, case)),
+    kind("rapid_override", WITHIN_BLOCKS, ANY, rapid_override),
+    kind("feed_hold", WITHIN_BLOCKS, ANY, |random, case| halt("--hold-at", random, case)),
     kind("operator_pause", LINUXCNC, ANY, |random, case| halt("--pause-at", random, case)),
     kind("blend_tolerance", LINUXCNC, BLENDS, blend_tolerance),
     kind("exact_path", LINUXCNC, BLENDS, |_, _| Drawn::new("--path", "G61".into(), json!({ "mode": "G61" }))),

@@ -20,16 +20,16 @@ pub enum Family {
 }
 
 impl Family {
+    pub const NAMES: [(&'static str, Family); 5] = [
+        ("linuxcnc", Family::LinuxCnc),
+        ("grbl", Family::Grbl),
+        ("klipper", Family::Klipper),
+        ("marlin", Family::Marlin),
+        ("tinyg", Family::TinyG),
+    ];
+
     pub fn named(name: &str) -> Option<Family> {
-        [
-            ("linuxcnc", Family::LinuxCnc),
-            ("grbl", Family::Grbl),
-            ("klipper", Family::Klipper),
-            ("marlin", Family::Marlin),
-            ("tinyg", Family::TinyG),
-        ]
-        .into_iter()
-        .find_map(|(own, family)| (own == name).then_some(family))
+        Family::NAMES.into_iter().find_map(|(own, family)| (own == name).then_some(family))
     }
 }
 

@@ -94,7 +94,8 @@ fn run() -> Result<(), Refusal> {
             Long("control") => {
                 let name = arguments.value()?.string()?;
                 order.recorder.family = machine::Family::named(&name).ok_or_else(|| {
-                    format!("no control is called '{name}': linuxcnc, grbl, klipper, marlin or tinyg")
+                    let known = machine::Family::NAMES.map(|(own, _)| own).join(", ");
+                    format!("no control is called '{name}': {known}")
                 })?;
             }
             Long("recorder") => order.recorder.script = arguments.value()?.into(),

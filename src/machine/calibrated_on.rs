@@ -27,6 +27,10 @@ impl Extent {
     }
 }
 
+/// Largest misfit of ramps by the law of the machine. Accelerations that are off by a twentieth have 0.05, the nearest
+/// trapezoids to ramps of constant jerk 0.08 and more.
+pub const MAX_RAMP_MISFIT: f64 = 0.075;
+
 /// The features of the programs that a machine was calibrated on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CalibratedOn {
@@ -63,4 +67,11 @@ pub struct CalibratedOn {
     /// M-words that stop the motion in the programs, 3 and 5 for any word that starts or stops the spindle, and 30 for
     /// the end; `None` if unknown. The time of any other word was assumed.
     pub m_codes: Option<Vec<u32>>,
+}
+
+impl CalibratedOn {
+    /// Returns the misfit of the shape of ramps if the machine follows a law that its file does not have; `None` otherwise.
+    pub fn misfit_of_unknown_law(&self) -> Option<f64> {
+        self.ramp_misfit.filter(|misfit| MAX_RAMP_MISFIT < *misfit)
+    }
 }

@@ -23,7 +23,7 @@ use crate::machine::keyword::keyword_of;
 use std::collections::BTreeMap;
 
 pub use block_supply::CornerPlanning;
-pub use calibrated_on::{CalibratedOn, Extent};
+pub use calibrated_on::{CalibratedOn, Extent, MAX_RAMP_MISFIT};
 pub use halts::{Halts, InPosition};
 pub use handle::Handle;
 pub use junction::Junction;

@@ -6,7 +6,7 @@
 //! than it was set (`stepper.c`).
 
 use super::piece::{Piece, ramps};
-use super::reader::{Block, Item, Reading, limit_along};
+use super::reader::{Block, Item, Reading, known, limit_along};
 use super::settings::Settings;
 
 /// A step of a motor, mm: 250 a millimetre.
@@ -91,36 +91,14 @@ impl Control<'_> {
 
     /// The velocity at the end of item `number` that lets all known blocks end in rest.
     fn exit(&self, number: usize) -> f64 {
-        let known = self.items[number..].iter().take(self.settings.look_ahead);
-        let known: Vec<&Block> = known
-            .map_while(|item| match item {
-                Item::Move(block) => Some(block),
-                Item::Rest { .. } => None,
-            })
-            .collect();
+        let known = known(self.items, number, self.settings.look_ahead);
         let mut squared: f64 = 0.0;
         for pair in known.windows(2).rev() {
             let reachable = squared + 2.0 * pair[1].along(&self.settings.acceleration) * pair[1].length;
             let slower = self.nominal(pair[0]).min(self.nominal(pair[1]));
-            squared = reachable.min(slower * slower).min(self.junction(pair[0], pair[1]));
+            squared = reachable.min(slower * slower).min(junction(pair[0], pair[1], self.settings));
         }
         squared.sqrt()
-    }
-
-    /// The square of the highest velocity at the corner between two blocks.
-    fn junction(&self, before: &Block, after: &Block) -> f64 {
-        let cos: f64 = -(0..3).map(|axis| before.direction[axis] * after.direction[axis]).sum::<f64>();
-        if cos > 0.999_999 {
-            return 0.0;
-        }
-        if cos < -0.999_999 {
-            return f64::INFINITY;
-        }
-        let along: [f64; 3] = std::array::from_fn(|axis| after.direction[axis] - before.direction[axis]);
-        let size = along.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let acceleration = limit_along(&along.map(|part| part / size), &self.settings.acceleration);
-        let half_sine = (0.5 * (1.0 - cos)).sqrt();
-        acceleration * self.settings.junction_deviation * half_sine / (1.0 - half_sine)
     }
 
     /// When the operator acts next.
@@ -171,6 +149,22 @@ impl Control<'_> {
             }
         }
     }
+}
+
+/// The square of the highest velocity at the corner between two blocks.
+pub fn junction(before: &Block, after: &Block, settings: &Settings) -> f64 {
+    let cos: f64 = -(0..3).map(|axis| before.direction[axis] * after.direction[axis]).sum::<f64>();
+    if cos > 0.999_999 {
+        return 0.0;
+    }
+    if cos < -0.999_999 {
+        return f64::INFINITY;
+    }
+    let along: [f64; 3] = std::array::from_fn(|axis| after.direction[axis] - before.direction[axis]);
+    let size = along.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let acceleration = limit_along(&along.map(|part| part / size), &settings.acceleration);
+    let half_sine = (0.5 * (1.0 - cos)).sqrt();
+    acceleration * settings.junction_deviation * half_sine / (1.0 - half_sine)
 }
 
 /// Cuts each block into segments of constant velocity, each longer by the error of the step timer.

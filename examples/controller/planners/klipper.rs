@@ -6,7 +6,7 @@
 
 use std::f64::consts::SQRT_2;
 
-use super::piece::{Piece, ramps};
+use super::piece::{LineOverrides, Piece, line_at, ramps};
 use super::reader::{Block, Item, Reading};
 use super::settings::Settings;
 
@@ -39,32 +39,18 @@ pub fn run(items: &[Item], settings: &Settings) -> Vec<Piece> {
     let acts = !settings.feed_overrides.is_empty() || settings.hold.is_some();
     // Both act between two lines here, so the run without them says between which.
     let clean = if acts { planned(items, settings, |_| 1.0) } else { Vec::new() };
-    let line_at = |time: f64| {
-        let mut end = 0.0;
-        let piece = clean.iter().find(|piece| {
-            end += piece.seconds;
-            end > time
-        });
-        piece.map_or(i64::MAX, |piece| piece.line)
-    };
-    let changes: Vec<(i64, f64)> = settings
-        .feed_overrides
-        .iter()
-        .map(|(time, ratio)| (if *time > 0.0 { line_at(*time) } else { 0 }, *ratio))
-        .collect();
-    let ratio =
-        |line: i64| changes.iter().rev().find(|change| change.0 <= line).map_or(1.0, |change| change.1);
+    let overrides = LineOverrides::of(settings, &clean);
     let mut items = items.to_vec();
     let mut held = 0;
     if let Some((time, seconds)) = settings.hold {
-        held = line_at(time);
+        held = line_at(&clean, time);
         let is_at = |item: &Item| matches!(item, Item::Move(block) if block.line == held);
         let place = items.iter().position(is_at).unwrap_or(items.len());
         items.insert(place, Item::Rest { seconds, line: held });
     }
-    let mut pieces = planned(&items, settings, ratio);
+    let mut pieces = planned(&items, settings, |line| overrides.at(line));
     for piece in &mut pieces {
-        piece.feed_override = ratio(piece.line);
+        piece.feed_override = overrides.at(piece.line);
         piece.held = piece.line == held && piece.direction == [0.0; 3];
     }
     pieces

@@ -19,25 +19,28 @@ use std::path::Path;
 use crate::Refusal;
 use crate::machine::Family;
 use crate::recorder::Outcome;
+use crate::trace::Trace;
 
-use reader::read;
+use piece::Piece;
+use reader::{Item, Reading, read};
 use settings::Settings;
 
 /// Runs `program` on the planner of `family` with a row every `every` milliseconds.
 pub fn record(family: Family, program: &Path, every: usize, options: &[String]) -> Result<Outcome, Refusal> {
     let settings = Settings::from_options(options)?;
     let text = std::fs::read_to_string(program)?;
-    let step = 1e-3 * every as f64;
-    Ok(Outcome::Recorded(match family {
-        Family::Grbl => {
-            piece::sampled(&grbl::run(&read(&text, &grbl::READING)?, &settings), step, Some(grbl::STEP_MM))
-        }
-        Family::Marlin => {
-            piece::sampled(&s_curves::run(&read(&text, &s_curves::MARLIN)?, &settings), step, None)
-        }
-        Family::TinyG => {
-            piece::sampled(&s_curves::run(&read(&text, &s_curves::TINYG)?, &settings), step, None)
-        }
-        _ => piece::sampled(&klipper::run(&read(&text, &klipper::READING)?, &settings), step, None),
-    }))
+    Ok(Outcome::Recorded(replayed(family, &text, 1e-3 * every as f64, &settings)?))
+}
+
+/// Runs the text of a program on the planner of `family` with a row every `step` seconds.
+fn replayed(family: Family, text: &str, step: f64, settings: &Settings) -> Result<Trace, Refusal> {
+    type Run = fn(&[Item], &Settings) -> Vec<Piece>;
+    let (reading, run, motor_step): (&Reading, Run, _) = match family {
+        Family::LinuxCnc => return Err("LinuxCNC has a recorder and no planner here".into()),
+        Family::Grbl => (&grbl::READING, grbl::run, Some(grbl::STEP_MM)),
+        Family::Klipper => (&klipper::READING, klipper::run, None),
+        Family::Marlin => (&s_curves::MARLIN, s_curves::run, None),
+        Family::TinyG => (&s_curves::TINYG, s_curves::run, None),
+    };
+    Ok(piece::sampled(&run(&read(text, reading)?, settings), step, motor_step))
 }

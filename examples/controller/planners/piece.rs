@@ -3,6 +3,7 @@
 use crate::trace::{Row, Trace};
 
 use super::reader::Block;
+use super::settings::Settings;
 
 /// Rest before the first motion and after the last, s.
 const LEAD_S: f64 = 0.02;
@@ -50,6 +51,33 @@ impl Piece {
 
     pub fn point(&self, way: f64) -> [f64; 3] {
         std::array::from_fn(|axis| self.from[axis] + way * self.direction[axis])
+    }
+}
+
+/// The line that runs at a time of `pieces`; behind their end one behind all lines.
+pub fn line_at(pieces: &[Piece], time: f64) -> i64 {
+    let mut end = 0.0;
+    let piece = pieces.iter().find(|piece| {
+        end += piece.seconds;
+        end > time
+    });
+    piece.map_or(i64::MAX, |piece| piece.line)
+}
+
+/// Feed overrides that hold from a line on.
+#[derive(Default)]
+pub struct LineOverrides(Vec<(i64, f64)>);
+
+impl LineOverrides {
+    /// The overrides of a run that act between two lines; `clean` is the run without them.
+    pub fn of(settings: &Settings, clean: &[Piece]) -> LineOverrides {
+        let from = |time: f64| if time > 0.0 { line_at(clean, time) } else { 0 };
+        LineOverrides(settings.feed_overrides.iter().map(|(time, ratio)| (from(*time), *ratio)).collect())
+    }
+
+    /// The override on a line.
+    pub fn at(&self, line: i64) -> f64 {
+        self.0.iter().rev().find(|change| change.0 <= line).map_or(1.0, |change| change.1)
     }
 }
 

@@ -44,6 +44,17 @@ pub enum Item {
     },
 }
 
+/// The blocks that a planner knows when it runs item `number`: at most `look_ahead`, up to the next rest.
+pub fn known(items: &[Item], number: usize, look_ahead: usize) -> Vec<&Block> {
+    let known = items[number..].iter().take(look_ahead);
+    known
+        .map_while(|item| match item {
+            Item::Move(block) => Some(block),
+            Item::Rest { .. } => None,
+        })
+        .collect()
+}
+
 /// How a control reads a program.
 pub struct Reading {
     /// How many chords an arc of a radius (mm), an angle (rad) and a length (mm) has.

@@ -1,14 +1,15 @@
 //! Marlin and TinyG, whose ramps no law of Truefeed was written after.
 //!
 //! - Marlin: trapezoids within the acceleration of the axes, of which each ramp may be a curve of fifth order
-//!   (`S_CURVE_ACCELERATION`) that takes as long, v = v₀ + Δv (10 τ³ − 15 τ⁴ + 6 τ⁵). No axis changes its velocity at a corner by more than its step
-//!   (`CLASSIC_JERK`), and from rest a motion begins with such a step.
+//!   (`S_CURVE_ACCELERATION`) that takes as long, v = v₀ + Δv (10 τ³ − 15 τ⁴ + 6 τ⁵). No axis changes its velocity at a
+//!   corner by more than its step (`CLASSIC_JERK`), and from rest a motion begins with such a step.
 //! - TinyG: ramps within the jerk J of the axes and no limit of acceleration, 2 √(Δv / J) long, and the corners of grbl.
 //!
 //! Both know as many blocks as their buffer holds. An override holds from a line on.
 
-use super::piece::Piece;
-use super::reader::{Block, Item, Reading, limit_along};
+use super::grbl;
+use super::piece::{LineOverrides, Piece};
+use super::reader::{Block, Item, Reading, known, limit_along};
 use super::settings::Settings;
 
 /// Pieces of constant acceleration of a curved ramp.
@@ -89,33 +90,20 @@ fn highest_where(from: f64, to: f64, holds: impl Fn(f64) -> bool) -> f64 {
 
 struct Control<'a> {
     settings: &'a Settings,
-    overrides: Vec<(i64, f64)>,
+    overrides: LineOverrides,
 }
 
 /// Returns the motion of a program.
 pub fn run(items: &[Item], settings: &Settings) -> Vec<Piece> {
-    let clean = Control { settings, overrides: Vec::new() }.pieces(items);
-    let line_at = |time: f64| {
-        let mut end = 0.0;
-        let piece = clean.iter().find(|piece| {
-            end += piece.seconds;
-            end > time
-        });
-        piece.map_or(i64::MAX, |piece| piece.line)
-    };
-    let from = |time: f64| if time > 0.0 { line_at(time) } else { 0 };
-    let overrides = settings.feed_overrides.iter().map(|(time, ratio)| (from(*time), *ratio)).collect();
-    Control { settings, overrides }.pieces(items)
+    let with = |overrides: LineOverrides| Control { settings, overrides }.pieces(items);
+    let clean = with(LineOverrides::default());
+    if settings.feed_overrides.is_empty() { clean } else { with(LineOverrides::of(settings, &clean)) }
 }
 
 impl Control<'_> {
-    fn ratio(&self, line: i64) -> f64 {
-        self.overrides.iter().rev().find(|change| change.0 <= line).map_or(1.0, |change| change.1)
-    }
-
     fn nominal(&self, block: &Block) -> f64 {
         let highest = block.along(&self.settings.velocity).min(self.settings.path_velocity);
-        block.feed.map_or(highest, |feed| (feed * self.ratio(block.line)).min(highest))
+        block.feed.map_or(highest, |feed| (feed * self.overrides.at(block.line)).min(highest))
     }
 
     fn ramp(&self, block: &Block) -> Ramp {
@@ -133,18 +121,11 @@ impl Control<'_> {
     }
 
     fn corner(&self, before: &Block, after: &Block) -> f64 {
+        let Some(step) = self.settings.corner_step else {
+            return grbl::junction(before, after, self.settings).sqrt();
+        };
         let change: [f64; 3] = std::array::from_fn(|axis| after.direction[axis] - before.direction[axis]);
-        if let Some(step) = self.settings.corner_step {
-            return limit_along(&change, &[step; 3]);
-        }
-        let cos: f64 = -(0..3).map(|axis| before.direction[axis] * after.direction[axis]).sum::<f64>();
-        if cos < -0.999_999 {
-            return f64::INFINITY;
-        }
-        let size = change.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let a = limit_along(&change.map(|part| part / size), &self.settings.acceleration);
-        let half_sine = (0.5 * (1.0 - cos)).max(0.0).sqrt();
-        (a * self.settings.junction_deviation * half_sine / (1.0 - half_sine)).sqrt()
+        limit_along(&change, &[step; 3])
     }
 
     /// The velocity at the end of the first of the known blocks.
@@ -163,14 +144,7 @@ impl Control<'_> {
         for (number, item) in items.iter().enumerate() {
             match item {
                 Item::Move(block) => {
-                    let known: Vec<&Block> = items[number..]
-                        .iter()
-                        .take(self.settings.look_ahead)
-                        .map_while(|item| match item {
-                            Item::Move(block) => Some(block),
-                            Item::Rest { .. } => None,
-                        })
-                        .collect();
+                    let known = known(items, number, self.settings.look_ahead);
                     let from = velocity.unwrap_or_else(|| self.at_rest(block));
                     velocity = Some(self.runs(block, from, self.exit(&known), &mut pieces));
                     at = block.point(block.length);
@@ -197,7 +171,7 @@ impl Control<'_> {
             let piece =
                 Piece::of(block, done, velocity, (to - velocity) / seconds.max(f64::MIN_POSITIVE), seconds);
             done += piece.after(seconds).0;
-            pieces.push(Piece { feed_override: self.ratio(block.line), ..piece });
+            pieces.push(Piece { feed_override: self.overrides.at(block.line), ..piece });
         };
         for (from, to, seconds) in [
             (from, peak, ramp.seconds(peak - from)),

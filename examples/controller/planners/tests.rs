@@ -5,28 +5,27 @@ use std::path::PathBuf;
 use serde_json::Value;
 use truefeed::identification::alignment::align;
 use truefeed::identification::calibration::calibrate;
-use truefeed::identification::comparison::ramp_misfit;
-use truefeed::identification::fit::Run;
+use truefeed::identification::fit::{Run, ramp_misfit};
 use truefeed::identification::recording;
-use truefeed::machine::{Junction, Machine};
+use truefeed::machine::{Junction, MAX_RAMP_MISFIT, Machine};
 use truefeed::project::machine_from_toml;
-use truefeed::quote::MAX_RAMP_MISFIT;
 use truefeed::simulation::gcode;
 use truefeed::simulation::interpreter::trace;
 
-use super::reader::Item;
-use super::{grbl, klipper, piece, read, s_curves};
+use super::replayed;
 use crate::geometry::Job;
 use crate::kinds;
 use crate::machine::{Family, Limits};
 use crate::random::Random;
-use crate::trace::{Scale, Trace};
+use crate::trace::Scale;
 use crate::words::Manner;
 
 use super::settings::Settings;
 
 /// Largest relative error of the time of a run: the recordings have rows every 4 ms, and grbl's overrides came in steps.
 const WITHIN: f64 = 0.002;
+/// Time between two rows, s.
+const STEP_S: f64 = 0.004;
 
 fn folder(control: &str) -> PathBuf {
     PathBuf::from("../shared/recordings").join(control)
@@ -62,14 +61,6 @@ fn recorded(path: &PathBuf) -> f64 {
     time(moves[moves.len() - 1]) - time(moves[0])
 }
 
-fn replayed(control: &str, items: &dyn Fn() -> Vec<Item>, settings: &Settings) -> Trace {
-    match control {
-        "grbl" => piece::sampled(&grbl::run(&items(), settings), 0.004, Some(grbl::STEP_MM)),
-        "marlin" | "tinyg" => piece::sampled(&s_curves::run(&items(), settings), 0.004, None),
-        _ => piece::sampled(&klipper::run(&items(), settings), 0.004, None),
-    }
-}
-
 /// Skipped where the recordings are not at hand.
 #[test]
 fn planners_take_as_long_as_the_software_that_they_are_written_after() {
@@ -81,10 +72,9 @@ fn planners_take_as_long_as_the_software_that_they_are_written_after() {
             let Some(settings) = settings(control, answer) else { continue };
             let program = folder(control).join(answer["program"].as_str().expect("a name"));
             let text = std::fs::read_to_string(program).expect("the program is there");
-            let reading = if control == "grbl" { grbl::READING } else { klipper::READING };
-            let items = || read(&text, &reading).expect("it can be read");
-            let (planned, taken) =
-                (replayed(control, &items, &settings).duration(), recorded(&folder(control).join(run)));
+            let family = Family::named(control).expect("a control");
+            let planned = replayed(family, &text, STEP_S, &settings).expect("it can be read").duration();
+            let taken = recorded(&folder(control).join(run));
             println!("{control} {run} {}: {planned:.3} s, recorded {taken:.3} s", answer["effect"]);
 
             assert!((planned / taken - 1.0).abs() < WITHIN, "{control} {run}: {planned} s, {taken} s");
@@ -101,12 +91,7 @@ fn calibrated(control: &str, kind: &str, settings: &Settings) -> Machine {
 
 /// Returns the machine as [`calibrated`] does, and the misfit of its ramps.
 fn calibrated_with_misfit(control: &str, kind: &str, settings: &Settings) -> (Machine, f64) {
-    let (family, reading) = match control {
-        "grbl" => (Family::Grbl, grbl::READING),
-        "marlin" => (Family::Marlin, s_curves::MARLIN),
-        "tinyg" => (Family::TinyG, s_curves::TINYG),
-        _ => (Family::Klipper, klipper::READING),
-    };
+    let family = Family::named(control).expect("a control");
     let mut random = Random::new(1, 0);
     let limits =
         Limits { acceleration: settings.acceleration, velocity: settings.velocity, settings: Vec::new() };
@@ -115,7 +100,7 @@ fn calibrated_with_misfit(control: &str, kind: &str, settings: &Settings) -> (Ma
     let fill = kinds::KINDS.iter().find(|(name, _)| *name == kind).expect("a kind").1;
     fill(&mut random, &mut job);
     let program = manner.write(kind, 5.0, &job.moves);
-    let run = replayed(control, &|| read(&program, &reading).expect("it can be read"), settings);
+    let run = replayed(family, &program, STEP_S, settings).expect("it can be read");
     let file = std::env::temp_dir().join(format!("truefeed-{}-{control}-{kind}.csv.gz", std::process::id()));
     run.write(&file, Scale::Command).expect("it can be written");
     let bytes = std::fs::read(&file).expect("it is there");
@@ -127,7 +112,7 @@ fn calibrated_with_misfit(control: &str, kind: &str, settings: &Settings) -> (Ma
     let alignment = align(&log, &toolpath, &generic).expect("it is of that program");
     let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
     let machine = calibrate(&generic, &runs, &mut |_| {}).machine;
-    let misfit = ramp_misfit(runs[0].ramp_misfits(&machine)).expect("positions were recorded");
+    let misfit = ramp_misfit(&machine, &runs).expect("positions were recorded");
     (machine, misfit)
 }
 

@@ -11,12 +11,11 @@ use crate::identification::calibration::{
     MIN_ORDER_COST_DROP_RATIO, ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, compared, families,
     largest_shift, polled, run_fit, set_order, steps, waits, wander, whitened, with_laws,
 };
-use crate::identification::comparison::{Comparison, ramp_misfit};
+use crate::identification::comparison::Comparison;
 use crate::identification::effects::MIN_EXPLAINED_SHARE;
 use crate::identification::effects::parameters::{DWELL_EXCESS, FILTERS, PROGRAM_START};
-use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
-use crate::machine::{Machine, TimeConstants};
-use crate::quote::MAX_RAMP_MISFIT;
+use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of, ramp_misfit};
+use crate::machine::{MAX_RAMP_MISFIT, Machine, TimeConstants};
 use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 
 /// Least shift of any moment of the runs that distinguishes two planners, s. Simulated planners are not more exact than a
@@ -280,11 +279,10 @@ impl<'a> Fitting<'a> {
         planner
     }
 
-    /// Returns the planner with a jerk limit if its ramps do not have the recorded shape and the limit is nearer by far,
-    /// otherwise as it is.
+    /// Returns the planner with a jerk limit if its ramps do not have the recorded shape and the limit is nearer by far;
+    /// otherwise returns the planner unchanged.
     fn with_jerk_limit(&mut self, planner: Model) -> Model {
-        let windows = self.runs.iter().flat_map(|run| run.ramp_misfits(&planner.best.machine)).collect();
-        if ramp_misfit(windows).is_none_or(|misfit| misfit <= MAX_RAMP_MISFIT) {
+        if ramp_misfit(&planner.best.machine, self.runs).is_none_or(|misfit| misfit <= MAX_RAMP_MISFIT) {
             return planner;
         }
         let starts = families::with_jerk_limits(&planner.best.machine, self.runs, &planner.whitenings);

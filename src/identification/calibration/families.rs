@@ -16,19 +16,17 @@ use crate::machine::{Junction, KLIPPER_MIN_CRUISE_RATIO, Machine, Planner};
 /// Initial values of the minimum cruise ratio in fits: Klipper's default, and a small value, because a fit does not free a
 /// ratio of 0.
 const INITIAL_CRUISE_RATIOS: [f64; 2] = [KLIPPER_MIN_CRUISE_RATIO, 0.1];
-/// Factors by which a restart multiplies the fitted accelerations, to leave a local minimum.
+/// Factors for the fitted accelerations in a restart. They take the fit out of a local minimum.
 const RESTART_ACCELERATION_RATIOS: [f64; 3] = [0.6, 1.0, 1.6];
-/// Factors by which a restart multiplies the fitted value of the junction law.
+/// Factors for the fitted value of the junction law in a restart.
 const RESTART_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
-
-/// Factors by which the accelerations of a planner with a jerk limit exceed the fitted ones without.
-const STEEPER_RAMP_RATIOS: [f64; 3] = [1.0, 2.0, 4.0];
+/// Factors for the fitted accelerations of a planner that gets a jerk limit.
+const JERK_LIMIT_ACCELERATION_RATIOS: [f64; 3] = [1.0, 2.0, 4.0];
 /// Accelerations of all axes tried beside each jerk limit, mm/s²; the highest limits no ramp.
 const JERK_ACCELERATIONS_MM_S2: [f64; 3] = [1e4, 1500.0, 500.0];
-
-/// Factors tried for the distance between arcs and their chords beside a jerk limit: 0.002, 0.01 and 0.05 mm with
-/// grbl's default.
-const CHORD_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
+/// Factors for the distance between arcs and their chords beside a jerk limit: 0.002, 0.01 and 0.05 mm with grbl's
+/// default.
+const CHORD_ERROR_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
 
 /// A family of planners as a calibration tries it.
 #[derive(Clone, Copy)]
@@ -127,10 +125,10 @@ fn candidates(plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<Candidate
 /// Returns the nearest of a fitted planner with scaled corners, accelerations and cruise ratios; `None` if that is
 /// the planner itself or its family blends corners in time, whose ways [`chosen_again`] tries.
 pub fn beside_minimum(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Option<Machine> {
-    let junction = machine.interpolator.junction;
-    if !matches!(junction, Junction::Deviation(_) | Junction::SquareCorner(_)) {
+    if !has_junction_law(machine) {
         return None;
     }
+    let junction = machine.interpolator.junction;
     let own = machine.interpolator.minimum_cruise_ratio;
     let others = if matches!(junction, Junction::SquareCorner(_)) { &INITIAL_CRUISE_RATIOS[..] } else { &[] };
     let ratios = [own].into_iter().chain(others.iter().copied());
@@ -151,9 +149,7 @@ pub fn beside_minimum(machine: &Machine, runs: &[Run], whitenings: &[Whitening])
 /// so the first machine has steeper ramps in each axis, and the second one an acceleration of all axes; corners
 /// remain as fast.
 pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Machine> {
-    if !matches!(machine.interpolator.junction, Junction::Deviation(_) | Junction::SquareCorner(_))
-        || machine.path.jerk.is_finite()
-    {
+    if !has_junction_law(machine) || machine.path.jerk.is_finite() {
         return Vec::new();
     }
     let lowest = machine.axes.map(|axis| axis.acceleration).into_iter().fold(f64::INFINITY, f64::min);
@@ -162,7 +158,7 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
         of.axes.iter_mut().for_each(|axis| axis.acceleration = acceleration);
         of
     };
-    let steeper = STEEPER_RAMP_RATIOS
+    let steeper = JERK_LIMIT_ACCELERATION_RATIOS
         .map(|ratio| machine.with_scaled_accelerations(ratio).with_scaled_junction(1.0 / ratio));
     let alike = JERK_ACCELERATIONS_MM_S2.map(with_acceleration);
     let near = |of: [Machine; 3]| {
@@ -173,9 +169,14 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
             whitenings,
         )?;
         // Each chord has its own ramps.
-        nearest(CHORD_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)), runs, whitenings)
+        nearest(CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)), runs, whitenings)
     };
     [steeper, alike].into_iter().filter_map(near).collect()
+}
+
+/// Returns `true` if a planner passes corners at a feedrate that its law gives, as grbl and Klipper do.
+fn has_junction_law(machine: &Machine) -> bool {
+    matches!(machine.interpolator.junction, Junction::Deviation(_) | Junction::SquareCorner(_))
 }
 
 /// Returns the machine with another way to blend corners if that is nearer to the runs; `None` if none is nearer or

@@ -9,7 +9,7 @@
 //! speed a millisecond is a third of a millimetre.
 //! The remainder is the deviation of the path: lag at corners, backlash at reversals, vibration.
 
-use crate::identification::alignment::{Alignment, median};
+use crate::identification::alignment::{Alignment, Mark, median};
 use crate::machine::Machine;
 use crate::simulation::drive::AxisMotion;
 use crate::simulation::feed::FeedPlan;
@@ -68,19 +68,14 @@ impl ContourDeviation {
         residuals: Option<&[f64]>,
     ) -> Option<ContourDeviation> {
         let track = alignment.track.as_ref()?;
-        let offset = alignment.marks.first()?.time - simulated.first()?;
         let smooth =
             residuals.map_or(vec![0.0; simulated.len()], |residuals| running_medians(simulated, residuals));
         let every = alignment.fixes.len().div_ceil(MAX_SAMPLES).max(1);
-        let mut mark = 0;
+        let mut clock = SimulatedClock::new(&alignment.marks, simulated, &smooth)?;
         let mut rows = Vec::new();
         for fix in alignment.fixes.iter().step_by(every) {
             let Some(sample) = fix.sample else { continue };
-            while mark + 1 < alignment.marks.len() && alignment.marks[mark + 1].time <= fix.time {
-                mark += 1;
-            }
-            let at = track.position[sample];
-            rows.push((fix.time - offset - smooth[mark], [at.x, at.y, at.z]));
+            rows.push((clock.at(fix.time), track.position[sample].into()));
         }
         let samples = Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 });
         Some(ContourDeviation { samples, rows, recorded: track.recorded, noise: track.noise.max(2e-3) })
@@ -169,20 +164,77 @@ impl ContourDeviation {
         position: &[f64; 3],
         near: &mut [usize; 3],
     ) -> (f64, f64, f64) {
-        let (mut all, mut forward, mut own) = (0.0, 0.0, 0.0);
-        for axis in (0..3).filter(|axis| self.recorded[*axis]) {
-            let (there, velocity) = actual[axis].at(time, &mut near[axis]);
-            let difference = position[axis] - there;
-            all += difference * difference;
-            forward += difference * velocity;
-            own += velocity * velocity;
-        }
+        let Difference { square: all, along: forward, speed_square: own } =
+            Difference::of(actual, self.recorded, time, position, near);
         // The difference along the motion is weighted by the uncertainty of the stamps.
         let ahead = if 0.0 < own { forward * forward / own } else { 0.0 };
         let certain = self.noise * self.noise;
         let square = (all - ahead).max(0.0)
             + ahead * certain / (certain + own * STAMP_DEVIATION_S * STAMP_DEVIATION_S);
         (forward, own, square)
+    }
+}
+
+/// The simulated time at each moment of a recording, which takes the residual of the last mark before it.
+pub(super) struct SimulatedClock<'a> {
+    marks: &'a [Mark],
+    /// Residuals at the marks, s.
+    residuals: &'a [f64],
+    /// Recorded less simulated time at the first mark, s.
+    offset: f64,
+    mark: usize,
+}
+
+impl<'a> SimulatedClock<'a> {
+    /// Returns the clock of a recording with these marks, given the simulated times and the residuals there, s; `None`
+    /// without marks.
+    pub(super) fn new(
+        marks: &'a [Mark],
+        simulated: &[f64],
+        residuals: &'a [f64],
+    ) -> Option<SimulatedClock<'a>> {
+        let offset = marks.first()?.time - simulated.first()?;
+        Some(SimulatedClock { marks, residuals, offset, mark: 0 })
+    }
+
+    /// Returns the simulated time at a recorded one, which is no earlier than that of the call before, s.
+    pub(super) fn at(&mut self, time: f64) -> f64 {
+        while self.mark + 1 < self.marks.len() && self.marks[self.mark + 1].time <= time {
+            self.mark += 1;
+        }
+        time - self.offset - self.residuals[self.mark]
+    }
+}
+
+/// The difference e of a recorded position from the simulated one, with the simulated velocity v.
+pub(super) struct Difference {
+    /// e·e, mm².
+    pub square: f64,
+    /// e·v, mm²/s.
+    pub along: f64,
+    /// v·v, mm²/s².
+    pub speed_square: f64,
+}
+
+impl Difference {
+    /// Returns the difference in the recorded axes at a simulated time (s). For each axis `near` holds the row that the
+    /// last search found.
+    pub(super) fn of(
+        simulated: &[AxisMotion; 3],
+        recorded: [bool; 3],
+        time: f64,
+        position: &[f64; 3],
+        near: &mut [usize; 3],
+    ) -> Difference {
+        let mut sums = Difference { square: 0.0, along: 0.0, speed_square: 0.0 };
+        for axis in (0..3).filter(|axis| recorded[*axis]) {
+            let (there, velocity) = simulated[axis].at(time, &mut near[axis]);
+            let difference = position[axis] - there;
+            sums.square += difference * difference;
+            sums.along += difference * velocity;
+            sums.speed_square += velocity * velocity;
+        }
+        sums
     }
 }
 

@@ -21,8 +21,9 @@
 //! places at which the simulation is far off do not change it. Limits: a window that is longer than a ramp dilutes
 //! its misfit.
 
-use crate::identification::alignment::{Alignment, Track};
+use crate::identification::alignment::Alignment;
 use crate::identification::comparison::Comparison;
+use crate::identification::comparison::contour_deviation::{Difference, SimulatedClock};
 use crate::machine::Machine;
 use crate::simulation::drive::AxisMotion;
 use crate::simulation::feed::FeedPlan;
@@ -48,25 +49,25 @@ pub fn ramp_misfits(
     alignment: &Alignment,
     comparison: &Comparison,
 ) -> Vec<(f64, f64)> {
-    let (Some(track), Some(first)) = (&alignment.track, alignment.marks.first()) else { return Vec::new() };
+    let clock = SimulatedClock::new(&alignment.marks, &comparison.simulated, &comparison.residuals);
+    let (Some(track), Some(mut clock)) = (&alignment.track, clock) else { return Vec::new() };
     let rows = ((WINDOW_S / track.interval) as usize).max(MIN_ROWS);
     if MAX_WINDOW_S < rows as f64 * track.interval {
         return Vec::new();
     }
     let samples = Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 });
     let motion = [0, 1, 2].map(|axis| AxisMotion::of(&samples, machine, axis));
-    let offset = first.time - comparison.simulated[0];
     let every = alignment.fixes.len().div_ceil(MAX_ROWS).max(1);
-    let (mut mark, mut near) = (0, [0; 3]);
+    let mut near = [0; 3];
     let mut found = Vec::new();
     for fixes in alignment.fixes.chunks_exact(rows).step_by(every) {
         let mut window = Window::default();
         for fix in fixes {
             let Some(sample) = fix.sample else { continue };
-            while mark + 1 < alignment.marks.len() && alignment.marks[mark + 1].time <= fix.time {
-                mark += 1;
-            }
-            window.add(fix.time - offset - comparison.residuals[mark], track, sample, &motion, &mut near);
+            let (time, position) = (clock.at(fix.time), track.position[sample].into());
+            let e = Difference::of(&motion, track.recorded, time, &position, &mut near);
+            let velocity = e.speed_square.sqrt();
+            window.push(time, velocity, if 0.0 < velocity { e.along / velocity } else { 0.0 });
         }
         found.extend(window.misfit(track.noise));
     }
@@ -88,26 +89,8 @@ struct Window {
 }
 
 impl Window {
-    /// Adds a sample of the track at a simulated time (s). For each axis `near` has the row that the last search found.
-    fn add(
-        &mut self,
-        time: f64,
-        track: &Track,
-        sample: usize,
-        motion: &[AxisMotion; 3],
-        near: &mut [usize; 3],
-    ) {
-        let position = track.position[sample];
-        let (mut along, mut squares) = (0.0, 0.0);
-        for axis in (0..3).filter(|axis| track.recorded[*axis]) {
-            let (simulated, velocity) = motion[axis].at(time, &mut near[axis]);
-            along += (position[axis] - simulated) * velocity;
-            squares += velocity * velocity;
-        }
-        let velocity = squares.sqrt();
-        self.push(time, velocity, if 0.0 < velocity { along / velocity } else { 0.0 });
-    }
-
+    /// Adds a row at a simulated time (s), with the simulated velocity (mm/s) and by how far the recorded position is
+    /// ahead (mm).
     fn push(&mut self, time: f64, velocity: f64, ahead: f64) {
         let before = self.time.last().zip(self.velocity.last()).zip(self.distance.last());
         let distance = before.map_or(0.0, |((time_before, velocity_before), distance)| {
@@ -146,7 +129,7 @@ fn squares_about_line(x: &[f64], y: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quote::MAX_RAMP_MISFIT;
+    use crate::machine::MAX_RAMP_MISFIT;
 
     /// Distance (mm) and velocity (mm/s) at a time (s) of a ramp from 0 to 50 mm/s around 0.
     type Ramp = fn(time: f64, duration: f64) -> (f64, f64);

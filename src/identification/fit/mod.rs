@@ -36,7 +36,7 @@ pub use uncertainty::dispersion;
 pub use whitening::{NORMAL_MEDIAN_DEVIATION, Whitening};
 
 use crate::identification::alignment::{Alignment, ProgramPlace, times_at_marks};
-use crate::identification::comparison::{Comparison, compare, ramp_misfits, residuals};
+use crate::identification::comparison::{self, Comparison, compare, ramp_misfits, residuals};
 use crate::machine::Machine;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::simulate;
@@ -118,12 +118,6 @@ impl Run<'_> {
         simulate(self.toolpath, &self.machine(machine))
     }
 
-    /// Returns the squared misfits of the ramps of a machine in windows of the recording, each with its weight, mm².
-    pub fn ramp_misfits(&self, machine: &Machine) -> Vec<(f64, f64)> {
-        let (plan, alignment) = (self.plan(machine), self.by_clock(machine));
-        ramp_misfits(self.toolpath, &plan, machine, &alignment, &compare(self.toolpath, &plan, &alignment))
-    }
-
     /// Returns the comparison of the recording with the run on a machine.
     pub fn compared(&self, machine: &Machine) -> Comparison {
         compare(self.toolpath, &self.plan(machine), self.alignment)
@@ -166,6 +160,17 @@ pub fn cost<'a>(whitened: impl IntoIterator<Item = &'a f64>) -> f64 {
 /// Returns the cost of a machine, which a fit minimises.
 pub fn cost_of(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> f64 {
     cost(whitened(machine, runs, whitenings).iter().flatten())
+}
+
+/// Returns the misfit of the ramps of a machine over all runs (see [`comparison::ramp_misfit`]); `None` if none shows it.
+///
+/// [`comparison::ramp_misfit`]: crate::identification::comparison::ramp_misfit
+pub fn ramp_misfit(machine: &Machine, runs: &[Run]) -> Option<f64> {
+    let windows_of = |run: &Run| {
+        let (plan, alignment) = (run.plan(machine), run.by_clock(machine));
+        ramp_misfits(run.toolpath, &plan, machine, &alignment, &compare(run.toolpath, &plan, &alignment))
+    };
+    comparison::ramp_misfit(runs.iter().flat_map(windows_of).collect())
 }
 
 /// Fits parameters of a machine to runs, from their initial values, until a step lowers the cost by less than

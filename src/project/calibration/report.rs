@@ -14,7 +14,7 @@ use crate::project::figures::{FITTED_DIGITS, as_short, significant, to_the_digit
 use crate::project::machine::form::{machine_from_form, values};
 use crate::project::recording::comparison::{feedrate, percent};
 use crate::project::recording::measured_laws::MeasuredReport;
-use crate::quote::{MAX_RAMP_MISFIT, OTHER_LAW_ERROR_RATIO};
+use crate::quote::UNKNOWN_LAW_ERROR_RATIO;
 use crate::units::{PERCENT, Unit, mm_per_min};
 
 /// Key of planners with steps of velocity.
@@ -294,12 +294,11 @@ fn remarks(calibration: &Calibration) -> Vec<String> {
                 .to_string(),
         );
     }
-    let misfit = calibration.machine.calibrated_on.ramp_misfit;
-    if let Some(misfit) = misfit.filter(|misfit| MAX_RAMP_MISFIT < *misfit) {
+    if let Some(misfit) = calibration.machine.calibrated_on.misfit_of_unknown_law() {
         all.push(format!(
             "Accelerations within ramps are off by {:.0} % in the median: the control ramps by a law that Truefeed does not have. The times of these programs are right, those of other programs may be off by {:.0} %.",
             PERCENT * misfit,
-            PERCENT * OTHER_LAW_ERROR_RATIO
+            PERCENT * UNKNOWN_LAW_ERROR_RATIO
         ));
     }
     let (keys, correlations) = &calibration.correlations;

@@ -14,9 +14,9 @@
 //! a corner may then lose half of t(v) + D − L/F, with t as below for the length and acceleration of the segment, F
 //! its feedrate, v the velocity that it reaches, and D the filter delay.
 //!
-//! If the recorded ramps do not have the shape of the simulated ones, beyond [`MAX_RAMP_MISFIT`], the machine follows
+//! If the recorded ramps do not have the shape of the simulated ones, beyond [`MAX_RAMP_MISFIT`](crate::machine::MAX_RAMP_MISFIT), the machine follows
 //! another law than its file, which was fitted to the programs of the calibration alone: then U =
-//! [`OTHER_LAW_ERROR_RATIO`] for all of the time.
+//! [`UNKNOWN_LAW_ERROR_RATIO`] for all of the time.
 //!
 //! If no calibrating program contains an M-word, its time comes from the machine file before the calibration. The true
 //! time may be between nothing and twice as much: U = 1, and both times of the fraction include the time of the word.
@@ -24,7 +24,7 @@
 //! If the runs do not show for which override the control plans its corners, the largest one that they allow may make the
 //! corners of a program faster; and an acceleration that the calibration assumed may be [`ASSUMED_ACCELERATION_RATIO`]
 //! times as high, or as low as the runs allow. If no run has an arc, its chords may be longer or shorter
-//! ([`OTHER_CHORD_RATIOS`]). Then the differences between these cycle times add to the range.
+//! ([`CHORD_ERROR_RATIOS`]). Then the differences between these cycle times add to the range.
 //!
 //! A feed is faster if it moves an axis faster than any move of the runs, feed or rapid: if the runs recorded
 //! positions, an axis can cut as fast as it moved in rapid. A rapid is faster if an axis whose full rapid
@@ -54,15 +54,12 @@ const UNSHOWN_ERROR_RATIO: f64 = 2.5;
 /// Ratio of an assumed acceleration to the true one, or of the true one to it, that nine in ten do not exceed: of 13 that
 /// calibrations of LinuxCNC assumed, twelve are within 1.15, and one is 1.3 times too high.
 const ASSUMED_ACCELERATION_RATIO: f64 = 1.25;
-/// Largest misfit of ramps by the law of the machine. Accelerations that are off by a twentieth have 0.05, the nearest
-/// trapezoids to ramps of constant jerk 0.08 and more.
-pub const MAX_RAMP_MISFIT: f64 = 0.075;
 /// Relative error of other programs that nine in ten do not exceed on a machine of another law: 13 pairs of programs
 /// of two such planners (seed 71) are off by 17 % in the median and by 41 % at most.
-pub const OTHER_LAW_ERROR_RATIO: f64 = 0.4;
-/// Ratios of the distance between arcs and their chords to that of the machine file if no run shows an arc: the defaults of
-/// grbl and TinyG differ by five.
-const OTHER_CHORD_RATIOS: [f64; 2] = [0.2, 5.0];
+pub const UNKNOWN_LAW_ERROR_RATIO: f64 = 0.4;
+/// Factors for the distance between arcs and their chords in the machine file, tried if no run shows an arc. The defaults
+/// of grbl and TinyG differ by a factor of five.
+const CHORD_ERROR_RATIOS: [f64; 2] = [0.2, 5.0];
 /// Time on either side of a corner that the corner affects, s.
 const CORNER_REACH_S: f64 = 0.1;
 /// Least turn of a corner, rad.
@@ -317,7 +314,7 @@ fn unshown_corners(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts
     Unshown { feature: UnshownFeature::Corners, lasts: lasts_at_corners, error }
 }
 
-/// Returns by how much the time of a program would change at other overrides and accelerations that the runs allow.
+/// Returns by how much the time of a program would change at other overrides, accelerations and chords that the runs allow.
 fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshown> {
     let on = &machine.calibrated_on;
     let planned_for = |max_override: f64| {
@@ -339,7 +336,7 @@ fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshow
             && toolpath.segments.iter().any(|segment| segment.curve != Curve::Line)
     };
     let chords = match has_unshown_arc() {
-        true => OTHER_CHORD_RATIOS.map(|ratio| machine.with_scaled_chords(ratio)).to_vec(),
+        true => CHORD_ERROR_RATIOS.map(|ratio| machine.with_scaled_chords(ratio)).to_vec(),
         false => Vec::new(),
     };
     let overrides: Vec<Machine> = on.largest_override.map(planned_for).into_iter().collect();
@@ -465,11 +462,11 @@ fn of_motion(toolpath: &Toolpath, machine: &Machine) -> Option<UnshownTimes> {
         found.whole += lasts.max(unshown.lasts);
         found.add(unshown);
     }
-    if machine.calibrated_on.ramp_misfit.is_some_and(|misfit| MAX_RAMP_MISFIT < misfit) {
+    if machine.calibrated_on.misfit_of_unknown_law().is_some() {
         found.add(Unshown {
             feature: UnshownFeature::Ramps,
             lasts: found.whole,
-            error: OTHER_LAW_ERROR_RATIO,
+            error: UNKNOWN_LAW_ERROR_RATIO,
         });
     }
     at_other_allowed_values(toolpath, machine).into_iter().for_each(|unshown| found.add(unshown));

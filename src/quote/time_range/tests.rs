@@ -1,7 +1,7 @@
 //! The range of a program by what its calibration showed.
 
 use super::*;
-use crate::machine::Planner;
+use crate::machine::{MAX_RAMP_MISFIT, Planner};
 use crate::simulation::gcode::read;
 use crate::simulation::interpreter::trace;
 
@@ -60,7 +60,7 @@ fn the_range_reaches_to_other_chords_if_the_runs_show_no_arc() {
     assert_eq!(shares(Extent(Some((5.0, 20.0)))), 0.01);
     let time = |ratio: f64| simulate(&arc, &machine.with_scaled_chords(ratio)).cycle_time();
     let other = (time(0.2) - time(1.0)).max(time(1.0) - time(5.0));
-    assert!(0.01 + other / (time(1.0)) < shares(Extent(None)), "{other} s");
+    assert!(0.01 + other / time(1.0) < shares(Extent(None)), "{other} s");
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn the_range_is_wide_if_the_recorded_ramps_have_another_shape() {
     assert_eq!(ratio_with(None).ratio, 0.01);
     assert_eq!(ratio_with(Some(0.9 * MAX_RAMP_MISFIT)).ratio, 0.01);
     let other = ratio_with(Some(1.1 * MAX_RAMP_MISFIT));
-    assert!((other.ratio - 0.01 - OTHER_LAW_ERROR_RATIO).abs() < 1e-12, "{other:?}");
+    assert!((other.ratio - 0.01 - UNKNOWN_LAW_ERROR_RATIO).abs() < 1e-12, "{other:?}");
     assert_eq!(other.unshown, [(UnshownFeature::Ramps, 1.0)]);
 }
 

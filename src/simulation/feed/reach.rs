@@ -18,8 +18,8 @@
 //! v_k² ≤ Σ 2 a_j L_j      j = k … k + N − 2
 //! ```
 //!
-//! With a jerk along the path a ramp ends within its block, and v_k is what these ramps reach, from a stop backwards
-//! block by block.
+//! With a jerk along the path each ramp ends within its block. v_k is then the feedrate from which such ramps stop
+//! within blocks k to k + N − 2.
 //!
 //! Source: grbl 1.1, planner.c, which always plans a stop behind the last block it knows; derived for the others.
 
