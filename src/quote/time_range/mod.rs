@@ -284,7 +284,9 @@ fn faster_rapid(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> Option
             error: error.min(MAX_UNSHOWN_ERROR),
         })
     };
-    let all = [0, 1, 2].into_iter().filter_map(of_axis);
+    // An axis at rest has no time to be off in.
+    let moving = (0..3).filter(|axis| segment.start[*axis] != segment.end[*axis]);
+    let all = moving.filter_map(of_axis);
     all.max_by(|one, other| (one.error * one.lasts).total_cmp(&(other.error * other.lasts)))
 }
 

@@ -30,6 +30,22 @@ fn the_range_reaches_to_corners_that_are_planned_for_the_largest_override_that_r
     assert!(0.03 < unknown.ratio, "{unknown:?}");
 }
 
+/// Klipper limits the path, so its axes have no acceleration of their own.
+#[test]
+fn an_axis_at_rest_makes_no_rapid_uncertain() {
+    let mut machine = Machine::default();
+    machine.become_planner(Planner::SquareCorner, 500.0);
+    let rapids = path("G21 G90\nG0 X50\nG1 X60 F1000\nG0 X0\n");
+    machine.calibrated_on = CalibratedOn {
+        range: Some(0.01),
+        velocities: Some([machine.rapid.feedrate, 1.0, 1.0]),
+        assumed_rapids: [true; 3],
+        ..features_of([&rapids])
+    };
+    let found = range(&rapids, &machine).expect("calibrated");
+    assert_eq!(found, TimeRange { ratio: 0.01, unshown: Vec::new() });
+}
+
 #[test]
 fn an_arc_may_take_twice_as_long_if_the_runs_show_neither_corner_nor_arc() {
     // The rapid shows the velocity of the feed.
