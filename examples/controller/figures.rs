@@ -117,10 +117,14 @@ fn errors<'a>(transfers: impl Iterator<Item = &'a Value>, key: &str) -> Value {
 
 /// How many times of other programs lie within the range that the machine file states, and half its width.
 fn ranges<'a>(transfers: impl Iterator<Item = &'a Value>) -> Value {
-    let of = |transfer: &Value| Some((transfer["error"].as_f64()?, transfer["range"].as_f64()?));
+    // A range that is no number tells nothing, so it is as wide as can be and does not count as held.
+    let of = |transfer: &Value| {
+        Some((transfer["error"].as_f64()?, transfer["range"].as_f64().unwrap_or(f64::INFINITY)))
+    };
     let stated: Vec<(f64, f64)> = transfers.filter_map(of).collect();
     // The error is a part of the recorded time, the range one of the predicted time.
-    let held = stated.iter().filter(|(error, half)| error.abs() <= *half * (1.0 + error)).count();
+    let is_held = |error: f64, half: f64| half.is_finite() && error.abs() <= half * (1.0 + error);
+    let held = stated.iter().filter(|(error, half)| is_held(*error, *half)).count();
     json!({ "held": rate(held, stated.len()), "median_half_width": median(stated.iter().map(|(_, half)| *half).collect()) })
 }
 
