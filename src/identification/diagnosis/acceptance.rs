@@ -215,9 +215,9 @@ fn explains_more_than_beside(
     price < evidence.cost(&without) - candidate.cost
 }
 
-/// Returns the id of a rival of `named`, with its axis if both are of the same effect.
+/// Returns the id of a rival of `named`, with its axes if both are of the same effect.
 pub fn id_beside(rival: &Hypothesis, named: &Hypothesis) -> String {
-    rival.effect.id_on(rival.axis().filter(|_| rival.effect == named.effect))
+    rival.effect.id_on(rival.axes().as_deref().filter(|_| rival.effect == named.effect))
 }
 
 /// Returns the time that a cause explains, s: its net time, or [`NETTED`] of the sizes of all its changes if that is
@@ -246,7 +246,7 @@ pub fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
         return believed.is_some_and(|believed| (candidate.values[0] - believed).abs() < HALF_A_STEP);
     }
     hypothesis.effect.nature != Nature::Switch
-        && hypothesis.is_continuous
+        && hypothesis.is_continuous()
         && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < MAX_UNCHANGED_RATIO)
 }
 
@@ -265,7 +265,7 @@ pub fn is_looser_than_calibrated(candidate: &Candidate, machine: &Machine) -> bo
 /// Returns `true` if a value reached a bound: then another effect causes the lost time.
 pub fn is_at_bound(candidate: &Candidate) -> bool {
     let of = candidate.hypothesis.freed.iter().zip(&candidate.values);
-    candidate.hypothesis.is_continuous
+    candidate.hypothesis.is_continuous()
         && of.filter(|(freed, _)| freed.scale == VariationScale::Ratio).any(|(freed, value)| {
             let (low, high) = freed.bounds;
             *value <= low * (1.0 + MAX_UNCHANGED_RATIO) || high * (1.0 - MAX_UNCHANGED_RATIO) <= *value

@@ -1,8 +1,8 @@
 //! The evidence of the runs for or against a machine, as one number: the cost of the whitened residuals.
 
 use crate::identification::diagnosis::standing::is_elsewhere;
-use crate::identification::effects::Hypothesis;
 use crate::identification::effects::parameters::{AXIS_ACCELERATION, AXIS_RAPID, Adjustable, RAPID_FEEDRATE};
+use crate::identification::effects::{Between, Hypothesis};
 use crate::identification::fit::{
     FTOL, Fit, FreeParameter, Run, Whitening, cost_of, dispersion, fit, golden_section, whitened,
 };
@@ -14,6 +14,8 @@ const SECTIONS: usize = 5;
 const POINTS_BETWEEN_TRIALS: usize = 9;
 /// Ratio of the cost with a limit to the cost without it above which tighter limits are not tried.
 const TOO_TIGHT: f64 = 3.0;
+/// Standard deviation of a number known to be nearest to a whole one: that of a uniform distribution of width 1.
+const WHOLE_NUMBER_DEVIATION: f64 = 0.288_675_134_594_812_9;
 
 /// Runs with the noise assumed of their residuals.
 #[derive(Clone)]
@@ -120,8 +122,8 @@ impl<'a> Evidence<'a> {
         dispersion(&self.whitened(machine))
     }
 
-    /// Returns a hypothesis at the best of its trials, or between them if its values are continuous; `None` without
-    /// trials.
+    /// Returns a hypothesis at the best of its trials, or at the best value between them that has a meaning; `None`
+    /// without trials.
     pub fn screened(&self, machine: &Machine, hypothesis: &Hypothesis) -> Option<Candidate> {
         let neutral = self.cost(machine);
         // One that is looser than the machine's own may cost as much, and says nothing of tighter ones.
@@ -140,7 +142,7 @@ impl<'a> Evidence<'a> {
         let best = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1))?;
         let (mut values, mut cost) = tried[best].clone();
         let acts = |at: usize| 1e-6 * neutral < (tried[at].1 - neutral).abs();
-        if hypothesis.is_continuous {
+        if hypothesis.is_continuous() {
             // Between the trials on both sides, by golden sections of the first parameter. Where no trial is
             // better than none at all, what is better may lie between one that does not act and one that does too much.
             let edge = (1..tried.len()).find(|at| acts(at - 1) != acts(*at));
@@ -176,8 +178,17 @@ impl<'a> Evidence<'a> {
             golden_section(bracket, SECTIONS, |varied| at(varied, &mut values, &mut cost));
         }
         let mut deviations = vec![f64::NAN; values.len()];
-        if !hypothesis.is_continuous {
-            deviations[0] = between_trials(&hypothesis.trials, best);
+        match hypothesis.between_trials {
+            Between::AnyValue => {}
+            Between::Nothing => deviations[0] = deviation_between_trials(&hypothesis.trials, best),
+            Between::WholeNumbers => {
+                let beside = |at: usize| tried.get(at).map_or(values[0], |(values, _)| values[0]);
+                let bracket = (beside(best.saturating_sub(1)), beside(best + 1));
+                let cost_of = |value: f64| self.cost(&hypothesis.machine(machine, &[value]));
+                let (value, its_cost) = least_whole_number((values[0], cost), bracket, cost_of);
+                (values, cost) = (vec![value], its_cost);
+                deviations[0] = WHOLE_NUMBER_DEVIATION;
+            }
         }
         Some(Candidate { hypothesis: hypothesis.clone(), values, deviations, cost, beside: Vec::new() })
     }
@@ -194,13 +205,14 @@ impl<'a> Evidence<'a> {
         let (base, freed) = self.freed(machine, &all);
         let Fit { values, deviations, cost, .. } =
             fit(&base, self.runs, &freed, &self.whitenings, FTOL, &mut |_| {});
-        let own = all.iter().filter(|each| each.hypothesis.is_continuous).map(|each| each.values.len()).sum();
+        let own =
+            all.iter().filter(|each| each.hypothesis.is_continuous()).map(|each| each.values.len()).sum();
         let beside: Vec<(FreeParameter, f64)> =
             freed.iter().zip(&values).skip(own).map(|(freed, value)| (freed.clone(), *value)).collect();
         let mut taken = 0;
         let mut take = |each: &Candidate| {
             let mut each = each.clone();
-            if each.hypothesis.is_continuous {
+            if each.hypothesis.is_continuous() {
                 let range = taken..taken + each.values.len();
                 each.values = values[range.clone()].to_vec();
                 each.deviations = deviations[range.clone()].to_vec();
@@ -218,7 +230,7 @@ impl<'a> Evidence<'a> {
     /// fit: those of the other candidates, in their order, then those that the calibration had assumed and that no
     /// candidate frees.
     pub fn freed(&self, machine: &Machine, all: &[Candidate]) -> (Machine, Vec<FreeParameter>) {
-        let is_fitted = |each: &&Candidate| each.hypothesis.is_continuous;
+        let is_fitted = |each: &&Candidate| each.hypothesis.is_continuous();
         let taken: Vec<Candidate> = all.iter().filter(|each| !is_fitted(each)).cloned().collect();
         let own = |each: &Candidate| {
             let own = each.hypothesis.freed.iter().zip(&each.values);
@@ -260,7 +272,7 @@ pub fn assumed(machine: &Machine) -> Vec<FreeParameter> {
 
 /// Returns the standard deviation of a first parameter that is known to be nearer to the trial `at` than to those
 /// beside it; NaN for a single trial.
-fn between_trials(trials: &[Vec<f64>], at: usize) -> f64 {
+fn deviation_between_trials(trials: &[Vec<f64>], at: usize) -> f64 {
     let value = trials[at][0];
     let apart = |other: Option<&Vec<f64>>| other.map(|other| 0.5 * (other[0] - value).abs());
     let before = apart(at.checked_sub(1).and_then(|before| trials.get(before)));
@@ -271,6 +283,26 @@ fn between_trials(trials: &[Vec<f64>], at: usize) -> f64 {
     }
 }
 
+/// Returns the whole number within a bracket at which a function is least, and the function there, from one at which it is known and less than
+/// at both ends: by steps from there that halve where neither side is less.
+fn least_whole_number(
+    (mut value, mut least): (f64, f64),
+    (low, high): (f64, f64),
+    mut function: impl FnMut(f64) -> f64,
+) -> (f64, f64) {
+    let mut step = (0.5 * (high - value).max(value - low)).ceil();
+    while 1.0 <= step {
+        let beside = [value - step, value + step].into_iter().filter(|other| low < *other && *other < high);
+        let each: Vec<(f64, f64)> = beside.map(|other| (other, function(other))).collect();
+        match each.into_iter().filter(|(_, found)| *found < least).min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some(better) => (value, least) = better,
+            None if step == 1.0 => break,
+            None => step = (0.5 * step).ceil(),
+        }
+    }
+    (value, least)
+}
+
 /// Returns a machine with all of these candidates.
 pub fn with_all(machine: &Machine, candidates: &[Candidate]) -> Machine {
     let mut machine = machine.clone();
@@ -279,4 +311,20 @@ pub fn with_all(machine: &Machine, candidates: &[Candidate]) -> Machine {
         candidate.apply_beside(&mut machine);
     }
     machine
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_counted_number_is_found_between_its_trials() {
+        for truth in [31.0, 37.0, 49.0] {
+            let cost = |value: f64| (value - truth).abs();
+            let start = if truth < 40.0 { 30.0 } else { 50.0 };
+            assert_eq!(least_whole_number((start, cost(start)), (20.0, 80.0), cost), (truth, 0.0));
+        }
+        let nearest = least_whole_number((5.0, 1.0), (4.0, 7.0), |value| (value - 6.0).abs());
+        assert_eq!(nearest, (6.0, 0.0));
+    }
 }

@@ -81,7 +81,7 @@ pub fn held_out(
         held_out_blocks(&base, evidence.runs, &freed, &evidence.whitenings, |count| cut(count, sections))
     };
     // The values of the cause come first.
-    let own = if cause.hypothesis.is_continuous { cause.values.len() } else { 0 };
+    let own = if cause.hypothesis.is_continuous() { cause.values.len() } else { 0 };
     let after: Vec<Candidate> = [cause].into_iter().chain(beside).cloned().collect();
     let (before, after) = (left_out(before), left_out(&after));
     // What a neighbour knows of a cause that acts in one section is too little to hold the section against it.

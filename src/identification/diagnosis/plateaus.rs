@@ -197,6 +197,6 @@ pub fn feed_override(machine: &Machine, runs: &[Run], library: &[Hypothesis]) ->
     let found = library.iter().find(|own| own.effect == FEED_OVERRIDE && own.variant.is_empty());
     let Some(hypothesis) = found.cloned() else { return Said::Nothing };
     // It is read off and not fitted: what a model is off by must not move it.
-    let hypothesis = Hypothesis { is_continuous: false, ..hypothesis };
+    let hypothesis = hypothesis.at_trials_only();
     Said::Other(Candidate::read_off(hypothesis, ratio, deviation))
 }

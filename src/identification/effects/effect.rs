@@ -99,9 +99,9 @@ impl Row {
         self.id.replace('_', " ")
     }
 
-    /// Returns the id, with the axis in brackets if one is given: `axis_velocity_limit (Y)`.
-    pub fn id_on(&self, axis: Option<char>) -> String {
-        axis.map_or(self.id.to_string(), |axis| format!("{} ({axis})", self.id))
+    /// Returns the id, with the axes in brackets if some are given: `axis_velocity_limit (Y)`.
+    pub fn id_on(&self, axes: Option<&str>) -> String {
+        axes.map_or(self.id.to_string(), |axes| format!("{} ({axes})", self.id))
     }
 
     /// Returns the trace that the effect leaves.
@@ -171,6 +171,17 @@ impl<'a> Context<'a> {
     }
 }
 
+/// Values between the trials of a hypothesis that have a meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Between {
+    /// All.
+    AnyValue,
+    /// Whole numbers, of one parameter.
+    WholeNumbers,
+    /// None.
+    Nothing,
+}
+
 /// An effect that the machine may have and its file may lack, as free parameters with values tried first.
 #[derive(Clone)]
 pub struct Hypothesis {
@@ -182,8 +193,8 @@ pub struct Hypothesis {
     pub freed: Vec<FreeParameter>,
     /// Values tried first, each trial with one entry per parameter.
     pub trials: Vec<Vec<f64>>,
-    /// `true` if values between the trials have a meaning.
-    pub is_continuous: bool,
+    /// Values between the trials that have a meaning.
+    pub between_trials: Between,
     /// Number of words that the PLC answers in a wait that the hypothesis changes; 0 if it changes none.
     pub plc_words: usize,
     /// Price of its rarity, in the unit of the cost.
@@ -212,7 +223,7 @@ impl Hypothesis {
             variant: String::new(),
             freed,
             trials,
-            is_continuous: true,
+            between_trials: Between::AnyValue,
             plc_words: 0,
             rarity: effect.rarity,
             report,
@@ -237,7 +248,17 @@ impl Hypothesis {
 
     /// Returns the hypothesis with values between the trials marked as meaningless.
     pub fn at_trials_only(self) -> Hypothesis {
-        Hypothesis { is_continuous: false, ..self }
+        Hypothesis { between_trials: Between::Nothing, ..self }
+    }
+
+    /// Returns the hypothesis of a number that is counted: between the trials, whole numbers have a meaning.
+    pub fn counted(self) -> Hypothesis {
+        Hypothesis { between_trials: Between::WholeNumbers, ..self }
+    }
+
+    /// Returns `true` if all values between the trials have a meaning, so that least squares can fit them.
+    pub fn is_continuous(&self) -> bool {
+        self.between_trials == Between::AnyValue
     }
 
     /// Returns the hypothesis of a variant that is rarer than others of its effect.
@@ -266,14 +287,13 @@ impl Hypothesis {
         self.effect == other.effect && self.variant == other.variant
     }
 
-    /// Returns the one axis that the hypothesis is about; `None` for several, or for none.
-    pub fn axis(&self) -> Option<char> {
+    /// Returns the letters of the axes that the hypothesis is about; `None` if it is about none.
+    pub fn axes(&self) -> Option<String> {
         let reported = (self.report)(self.trials.first()?);
-        let (_, Reported::Word(axes)) = reported.into_iter().find(|(quantity, _)| *quantity == AXIS)? else {
-            return None;
-        };
-        let mut axes = axes.chars();
-        axes.next().filter(|_| axes.next().is_none())
+        match reported.into_iter().find(|(quantity, _)| *quantity == AXIS)? {
+            (_, Reported::Word(axes)) => Some(axes),
+            _ => None,
+        }
     }
 
     /// Returns by how much longer a wait is with one value than with another, s; `None` for anything but a wait.
@@ -288,10 +308,9 @@ impl Hypothesis {
         Some(seconds(to)? - seconds(from)?)
     }
 
-    /// Returns `true` if `other` is another explanation to a person: another effect, or the same effect of another axis.
+    /// Returns `true` if `other` is another explanation to a person: another effect, or the same effect of other axes.
     pub fn is_rival_of(&self, other: &Hypothesis) -> bool {
-        let axes = self.axis().zip(other.axis());
-        self.effect != other.effect || axes.is_some_and(|(own, other)| own != other)
+        self.effect != other.effect || self.axes() != other.axes()
     }
 
     /// Returns `true` if the hypothesis frees a limit and nothing else: the lower the limit, the slower the

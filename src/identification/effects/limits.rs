@@ -119,6 +119,7 @@ pub fn jerks(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let machine = context.machine;
     let mut all: Vec<Hypothesis> = of_constants(effect, context).into_iter().collect();
     if !machine.interpolator.junction.blends_in_time() {
+        all.push(path_jerk(effect));
         all.extend(ramps(effect, machine));
         all.extend(context.runs.iter().any(Run::has_rapid).then(|| positioning(effect, machine)));
     }
@@ -133,6 +134,13 @@ fn of_constants(effect: Effect, context: &Context) -> Option<Hypothesis> {
     let freed = parameters::FILTER_JERK.tried_around(jerk);
     let report = |value| vec![JERK.number(value)];
     Some(Hypothesis::single(effect, freed, ratios(0.1 * jerk, 10.0 * jerk, 9), report))
+}
+
+/// Returns the hypothesis of a jerk limit along the path on a machine whose filters and tolerance are known.
+fn path_jerk(effect: Effect) -> Hypothesis {
+    let freed = parameters::PATH_JERK.tried();
+    Hypothesis::single(effect, freed, ratios(3e3, 3e6, 10), |value| vec![JERK.number(value)])
+        .variant("along the path, filters as known")
 }
 
 /// Returns the hypothesis of a jerk limit along the path, which fits the filters and the tolerance again; `None` if

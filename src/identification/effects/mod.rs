@@ -28,7 +28,7 @@ mod supply;
 mod table;
 mod waits;
 
-pub use effect::{Context, Effect, Hypothesis, Nature, Origin, Row, Trace};
+pub use effect::{Between, Context, Effect, Hypothesis, Nature, Origin, Row, Trace};
 pub use report::{
     FROM_DISTANCE, FROM_LINE, Finding, LINE, Quantity, RATIO, Report, Reported, ReportedValue, SECONDS,
     TO_DISTANCE, TO_LINE, is_whole,

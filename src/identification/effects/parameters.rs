@@ -237,7 +237,8 @@ parameters! {
     CENTRIPETAL_ACCELERATION = ratio("path.centripetal_acceleration_mm_s2", Values(1.0, 1e6))
         .in_calibration(Values(10.0, 1e5)).guessed(&[100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0]);
     /// Jerk limit along the path, mm/s³.
-    PATH_JERK = ratio("path.jerk_mm_s3", Values(1e3, 1e6)).guessed(&[1e4, 3e4, 1e5, 3e5]);
+    /// With a jerk of 10 000 m/s³ an acceleration of 10 m/s² takes a millisecond, the cycle of a control, to build up.
+    PATH_JERK = ratio("path.jerk_mm_s3", Values(1e3, 1e7)).in_calibration(Values(1e3, 1e6)).guessed(&[1e4, 3e4, 1e5, 3e5]);
 
     /// Rapid feedrate along the path, mm/s; as a ratio to the fastest rapid of the machine file.
     RAPID_FEEDRATE = ratio("rapid.feed_mm_min", Ratios(0.02, 10.0));

@@ -62,7 +62,7 @@ pub fn look_aheads(effect: Effect, _: &Context) -> Vec<Hypothesis> {
         });
         let seen = [1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 80.0, 120.0];
         let report = move |value: f64| reported(BLOCKS.number(value.round()), by);
-        Hypothesis::single(effect, freed, seen.to_vec(), report).variant(variant(by)).at_trials_only()
+        Hypothesis::single(effect, freed, seen.to_vec(), report).variant(variant(by)).counted()
     };
     CornerPlanning::WORDS.into_iter().map(|(_, by)| of(by)).collect()
 }

@@ -87,8 +87,8 @@ pub enum ProbeError {
     Alike(String, String, f64),
 }
 
-/// Returns a short program that separates two causes on a machine. A cause is the id of an effect, with its axis in
-/// brackets if only that is meant, as in `axis_velocity_limit (Y)`.
+/// Returns a short program that separates two causes on a machine. A cause is the id of an effect, with its axes in
+/// brackets if only those are meant, as in `axis_velocity_limit (Y)`.
 ///
 /// # Errors
 ///
@@ -115,15 +115,15 @@ pub fn probe_between(machine: &Machine, causes: [&str; 2]) -> Result<Probe, Prob
     let trials: Vec<ProbeTrial> = programs.iter().map(|program| ProbeTrial::new(machine, program)).collect();
     let runs: Vec<_> = trials.iter().map(ProbeTrial::run).collect();
     let library = library(machine, &runs);
-    let of = |cause: ProbedCause| {
+    let of = |cause: &ProbedCause| {
         let own: Vec<&Hypothesis> = library.iter().filter(|hypothesis| cause.is_of(hypothesis)).collect();
         if own.is_empty() { Err(ProbeError::Hidden(cause.effect.id)) } else { Ok(own) }
     };
-    let sides = [of(one)?, of(other)?];
+    let sides = [of(&one)?, of(&other)?];
     let is_form = sides.iter().flatten().any(|hypothesis| hypothesis.trace() == Trace::Form);
     let found = separations(machine, &trials, &sides, is_form);
     if let Some(side) = (0..2).find(|side| found.is_hidden[*side]) {
-        return Err(ProbeError::Hidden([one, other][side].effect.id));
+        return Err(ProbeError::Hidden([&one, &other][side].effect.id));
     }
     let costs: Vec<f64> = trials.iter().map(ProbeTrial::seconds).collect();
     let chosen = chosen(&found.separations, &costs);
@@ -182,29 +182,28 @@ fn whole(heads: &[String], lines: &str) -> String {
 }
 
 /// A cause that a program is to show.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, PartialEq)]
 struct ProbedCause {
     effect: Effect,
-    /// The only axis meant; `None` for all.
-    axis: Option<char>,
+    /// The axes of the only hypothesis meant; `None` for all hypotheses of the effect.
+    axes: Option<String>,
 }
 
 impl ProbedCause {
-    fn name(self) -> String {
-        self.effect.id_on(self.axis)
+    fn name(&self) -> String {
+        self.effect.id_on(self.axes.as_deref())
     }
 
-    fn is_of(self, hypothesis: &Hypothesis) -> bool {
-        hypothesis.effect == self.effect && self.axis.is_none_or(|axis| hypothesis.axis() == Some(axis))
+    fn is_of(&self, hypothesis: &Hypothesis) -> bool {
+        hypothesis.effect == self.effect && (self.axes.is_none() || hypothesis.axes() == self.axes)
     }
 }
 
 /// Returns the cause with this name if a program can show it.
 fn provoked(name: &str) -> Result<ProbedCause, ProbeError> {
-    let with_axis = name.strip_suffix(')').and_then(|name| name.split_once(" ("));
-    let (id, axis) = match with_axis.map(|(id, axes)| (id, axes.chars().collect::<Vec<_>>())) {
-        Some((id, axes)) if axes.len() == 1 => (id, Some(axes[0].to_ascii_uppercase())),
-        _ => (name, None),
+    let (id, axes) = match name.strip_suffix(')').and_then(|name| name.split_once(" (")) {
+        Some((id, axes)) => (id, Some(axes.to_ascii_uppercase())),
+        None => (name, None),
     };
     let Some(effect) = effects::with_id(id) else {
         let distance = |effect: &&Effect| strsim::damerau_levenshtein(effect.id, id);
@@ -213,7 +212,7 @@ fn provoked(name: &str) -> Result<ProbedCause, ProbeError> {
     };
     match effect.unprovoked {
         Some(why) => Err(ProbeError::Unprovoked { id: effect.id, why }),
-        None => Ok(ProbedCause { effect, axis }),
+        None => Ok(ProbedCause { effect, axes }),
     }
 }
 

@@ -233,7 +233,7 @@ impl CauseCurve {
             trials.push(points.len());
             points.push(at(values));
             let Some(next) = hypothesis.trials.get(index + 1) else { continue };
-            if !hypothesis.is_continuous {
+            if !hypothesis.is_continuous() {
                 continue;
             }
             let freed = &hypothesis.freed[0];
@@ -245,7 +245,7 @@ impl CauseCurve {
                 points.push(at(&there));
             }
         }
-        CauseCurve { points, trials, is_continuous: hypothesis.is_continuous }
+        CauseCurve { points, trials, is_continuous: hypothesis.is_continuous() }
     }
 
     /// Returns the trial at one third of the visible ones in the order of their strength; `None` if no trial

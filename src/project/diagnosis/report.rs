@@ -288,7 +288,7 @@ fn probe_message(diagnosis: &Diagnosis) -> Option<String> {
     let (own, other) =
         diagnosis.causes.iter().find_map(of).filter(|_| diagnosis.verdict == Verdict::Ambiguous)?;
     let is_of_axis = other.starts_with(&format!("{} (", own.effect.id));
-    let own = own.effect.id_on(own.axis().filter(|_| is_of_axis));
+    let own = own.effect.id_on(own.axes().as_deref().filter(|_| is_of_axis));
     Some(format!(
         "A short probe program separates these causes: truefeed probe --between \"{own}\" \"{other}\"."
     ))
