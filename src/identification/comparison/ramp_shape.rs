@@ -18,8 +18,9 @@
 //!
 //! Within a ramp the misfit is the relative error of the simulated acceleration. It is 0 if each ramp has its
 //! recorded shape. The misfit of a run is the median over its windows, weighted by the denominator, so that a few
-//! places at which the simulation is far off do not change it. Limits: a window that is longer than a ramp dilutes
-//! its misfit.
+//! places at which the simulation is far off do not change it. A window is compared at the time lost up to its middle, one
+//! for all its rows: the lost times of single marks scatter by milliseconds at blended corners, which would be steps of
+//! the position there. Limits: a window that is longer than a ramp dilutes its misfit.
 
 use crate::identification::alignment::Alignment;
 use crate::identification::comparison::Comparison;
@@ -62,9 +63,11 @@ pub fn ramp_misfits(
     let mut found = Vec::new();
     for fixes in alignment.fixes.chunks_exact(rows).step_by(every) {
         let mut window = Window::default();
+        let middle = fixes[rows / 2].time;
+        let lost = middle - clock.at(middle);
         for fix in fixes {
             let Some(sample) = fix.sample else { continue };
-            let (time, position) = (clock.at(fix.time), track.position[sample].into());
+            let (time, position) = (fix.time - lost, track.position[sample].into());
             let e = Difference::of(&motion, track.recorded, time, &position, &mut near);
             let velocity = e.speed_square.sqrt();
             window.push(time, velocity, if 0.0 < velocity { e.along / velocity } else { 0.0 });
