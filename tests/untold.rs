@@ -32,15 +32,19 @@ fn believed() -> Machine {
     machine_from_toml(GENERIC).expect("the file is right")
 }
 
-/// Rows along one of two axes with a step along Z after each.
+/// 29 rows along one of two axes with a step along Z after each.
 fn rows(axis: char) -> String {
+    some_rows(axis, 29)
+}
+
+fn some_rows(axis: char, count: u32) -> String {
     let row = |at: u32| {
         let (there, feed) = (5 + 7 * (at % 5), 900 + 300 * (at % 4));
         format!("G1 {axis}{there} F{feed}\nZ-{at}\n{axis}0\nZ-{at}.5\n")
     };
     format!(
         "G21 G90\nG0 X0 Y0 Z5\nG0 {axis}90 Z12\nG0 {axis}0 Z0\n{}M30\n",
-        (1..30).map(row).collect::<String>()
+        (1..=count).map(row).collect::<String>()
     )
 }
 
@@ -387,7 +391,7 @@ fn two_axes_that_always_move_together_are_not_told_apart() {
     let diagnosis = diagnosed(&machine, &program, &changed);
     let [cause] = &diagnosis.causes[..] else { panic!("{:?}", diagnosis.causes) };
     assert_eq!(cause.candidate.hypothesis.effect.id, "axis_velocity_limit");
-    let other = if cause.candidate.hypothesis.axis() == Some('X') { "Y" } else { "X" };
+    let other = if cause.candidate.hypothesis.axes().as_deref() == Some("X") { "Y" } else { "X" };
     assert!(cause.alike.contains(&format!("axis_velocity_limit ({other})")), "{:?}", cause.alike);
     assert!(cause.confidence <= 0.5, "{}", cause.confidence);
     assert_eq!(diagnosis.verdict, Verdict::Ambiguous);
@@ -436,4 +440,37 @@ fn a_tolerance_that_also_merges_lines_is_one_cause() {
     assert!((cause.candidate.values[0] / 0.012 - 1.0).abs() < 0.1, "{:?}", cause.candidate.values);
     let found = &diagnosis.machine.interpolator;
     assert_eq!(found.path_smoothing, Some(found.contour_tolerance));
+}
+
+/// The error of an unknown law and the change of a limit look alike, so only the second control has a limit to name. An
+/// override is the operator's, whatever the law.
+#[test]
+fn a_control_of_an_unknown_law_has_no_limits_to_name() {
+    let program = some_rows('X', 8);
+    let toolpath = traced(&program);
+    let alignment = recorded(&toolpath, &truth());
+    let runs = [run(&toolpath, &alignment)];
+    let mut known = truth();
+    known.cycle_time_error = Some(1e-4);
+    ModelError::of(&truth(), &runs).keep_in(&mut known);
+    known.calibrated_on = calibrated_on(&truth(), &runs, &[]);
+    assert_eq!(known.calibrated_on.misfit_of_unknown_law(), None);
+    let mut unknown = known.clone();
+    unknown.calibrated_on.ramp_misfit = Some(0.15);
+    let (mut slower, mut overridden) = (truth(), truth());
+    slower.axes[0].acceleration *= 0.7;
+    overridden.overrides.feed = 0.8;
+    let ids = |machine: &Machine, truth: &Machine| {
+        let diagnosis = diagnosed(machine, &program, truth);
+        let ids: Vec<&str> =
+            diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.effect.id).collect();
+        (diagnosis.verdict, ids, diagnosis.messages)
+    };
+    assert_eq!(ids(&known, &slower).1, ["axis_acceleration_limit"]);
+    let (verdict, causes, messages) = ids(&unknown, &slower);
+    assert_eq!((verdict, causes.len()), (Verdict::Unknown, 0), "{causes:?}");
+    assert!(messages.iter().any(|message| message.contains("names no limit or setting")), "{messages:?}");
+    for machine in [&known, &unknown] {
+        assert_eq!(ids(machine, &overridden).1, ["feed_override"]);
+    }
 }

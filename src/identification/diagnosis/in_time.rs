@@ -39,6 +39,8 @@ pub struct InTime {
     pub pulsation: Option<Pulsation>,
     /// `true` if a checked machine file has the wrong family of controls: another family explains the runs better.
     pub is_other_family: bool,
+    /// `true` if limits or settings would explain the runs, but the control follows an unknown law.
+    pub is_of_unknown_law: bool,
 }
 
 impl InTime {
@@ -67,11 +69,15 @@ impl InTime {
         }
         let is_other_family = Standing::of(start) != Standing::Unchecked
             && is_other_family(start, &with_all(&base, &candidates(&named)));
-        let named = match is_other_family {
+        let follows_unknown_law = start.calibrated_on.misfit_of_unknown_law().is_some();
+        let found = named.len();
+        let named = match is_other_family || follows_unknown_law {
             true => without_story(start, &base, runs, named),
             false => search.believable(library, named),
         };
-        InTime { named: weighed(&base, runs, named), read_off, excerpts, pulsation, is_other_family }
+        let is_of_unknown_law = follows_unknown_law && named.len() < found;
+        let named = weighed(&base, runs, named);
+        InTime { named, read_off, excerpts, pulsation, is_other_family, is_of_unknown_law }
     }
 
     /// Returns `true` if there is no cause.
