@@ -254,6 +254,8 @@ pub struct Axis {
     pub acceleration: f64,
     /// Largest jerk at a corner, mm/s³; neutral infinite.
     pub jerk: f64,
+    /// Distance of one step, at multiples of which the control plans the ends of blocks, mm; neutral 0.
+    pub step: f64,
     /// Reference position in the program's coordinates, mm; `None` if unknown.
     pub home: Option<f64>,
     /// Time constant of the position loop, s; neutral 0.
@@ -546,6 +548,7 @@ impl Default for Axis {
             servo_lag: 0.0,
             backlash: 0.0,
             backlash_compensation: 0.0,
+            step: 0.0,
             mode: None,
         }
     }

@@ -52,6 +52,10 @@ pub const COARSE_DISTANCE_FACTOR: f64 = 8.0;
 const MAX_OFF_PATH_RATIO: f64 = 0.3;
 /// Least noise of a recorder of positions, mm.
 const MIN_NOISE_MM: f64 = 2e-4;
+/// Least step of recorded positions, mm: a finer one does not differ from noise.
+const MIN_STEP_MM: f64 = 5e-4;
+/// Largest error of a recorded position by the rounding of the number itself, mm.
+const ROUNDING_MM: f64 = 1e-6;
 
 /// Positions of all axes at common stamps.
 #[derive(Clone, Debug)]
@@ -66,6 +70,8 @@ pub struct Track {
     pub noise: f64,
     /// Median time between samples, s.
     pub interval: f64,
+    /// Distances of which all recorded positions of an axis are multiples, mm; 0 if there is none.
+    pub steps: [f64; 3],
 }
 
 impl Track {
@@ -149,7 +155,8 @@ impl Track {
         let noise = noises.last().copied().unwrap_or(0.0).max(MIN_NOISE_MM);
         let mut intervals: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let interval = median(&mut intervals);
-        Some(Track { time, position, recorded: axes.each_ref().map(Option::is_some), noise, interval })
+        let steps = columns.each_ref().map(|column| column.as_ref().map_or(0.0, |column| lattice(column)));
+        Some(Track { time, position, recorded: axes.each_ref().map(Option::is_some), noise, interval, steps })
     }
 
     /// Returns the recorded positions without those at which the tool has hardly moved, mm.
@@ -429,12 +436,27 @@ fn on_stamps(channel: &Channel<f64>, time: &[f64]) -> Vec<f64> {
 /// Returns the standard deviation of the noise of a column, mm, no less than half the step of a lattice that its
 /// values lie on.
 fn noise_and_rounding(column: &[f64]) -> f64 {
-    let mut steps: Vec<f64> =
-        column.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|step| 1e-9 < *step).collect();
-    steps.sort_by(f64::total_cmp);
-    // The smallest step is the quantum if the values lie on a lattice.
-    let quantum = steps.first().copied().unwrap_or(0.0).min(0.01);
-    noise(column).min(0.05).max(0.5 * quantum)
+    noise(column).min(0.05).max(0.5 * lattice(column).min(0.01))
+}
+
+/// Returns the largest distance of which all changes of a column are multiples, mm; 0 if there is none.
+fn lattice(column: &[f64]) -> f64 {
+    let mut step = 0.0;
+    for change in column.windows(2).map(|pair| (pair[1] - pair[0]).abs()) {
+        step = common_divisor(step, change);
+        if 0.0 < step && step < MIN_STEP_MM {
+            return 0.0;
+        }
+    }
+    step
+}
+
+/// Returns the largest common divisor of two distances, mm; 0 if both are.
+fn common_divisor(mut one: f64, mut other: f64) -> f64 {
+    while ROUNDING_MM < other {
+        (one, other) = (other, (one - other * (one / other).round()).abs());
+    }
+    one
 }
 
 /// Returns the median of values; 0 if there are none. Reorders the values.
@@ -444,4 +466,19 @@ pub fn median(values: &mut [f64]) -> f64 {
     }
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_of_whole_steps_have_the_common_divisor_of_their_changes() {
+        let z = |steps: [u32; 5]| steps.map(|count| 0.004 * f64::from(count));
+        assert!((lattice(&z([0, 2, 5, 5, 9])) - 0.004).abs() < 1e-9);
+        assert!((lattice(&z([0, 6, 6, 2, 12])) - 0.008).abs() < 1e-9, "all changes are even");
+        assert_eq!(lattice(&[3.0; 4]), 0.0);
+        let free: Vec<f64> = (0..50).map(|row| (0.3 * f64::from(row)).sin()).collect();
+        assert_eq!(lattice(&free), 0.0);
+    }
 }

@@ -18,6 +18,8 @@ use crate::machine::{Junction, KLIPPER_MIN_CRUISE_RATIO, Machine, Planner};
 const INITIAL_CRUISE_RATIOS: [f64; 2] = [KLIPPER_MIN_CRUISE_RATIO, 0.1];
 /// Factors for the fitted accelerations in a restart. They take the fit out of a local minimum.
 const RESTART_ACCELERATION_RATIOS: [f64; 3] = [0.6, 1.0, 1.6];
+/// Factors for the fitted acceleration of one axis in a restart: it also makes up for corners that only this axis slows.
+const RESTART_AXIS_RATIOS: [f64; 2] = [0.7, 1.4];
 /// Factors for the fitted value of the junction law in a restart.
 const RESTART_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
 /// Factors for the fitted accelerations of a planner that gets a jerk limit.
@@ -27,6 +29,9 @@ const JERK_ACCELERATIONS_MM_S2: [f64; 3] = [1e4, 1500.0, 500.0];
 /// Factors for the distance between arcs and their chords beside a jerk limit: 0.002, 0.01 and 0.05 mm with grbl's
 /// default.
 const CHORD_ERROR_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
+
+/// Largest relative difference of the steps of two recordings of one machine.
+const MAX_STEP_DIFFERENCE_RATIO: f64 = 1e-3;
 
 /// A family of planners as a calibration tries it.
 #[derive(Clone, Copy)]
@@ -88,7 +93,8 @@ pub fn guesses(
                 let corners = |of: &Machine| scaled(of).into_iter().step_by(2);
                 let together = nearest(grid.iter().step_by(2).flatten().flat_map(corners), runs, whitenings);
                 let other = together.filter(|other| Some(other) != by_ramps.as_ref());
-                by_ramps.into_iter().chain(other).collect::<Vec<_>>()
+                let at_steps = |of: Machine| with_and_without_steps(&of, runs);
+                by_ramps.into_iter().chain(other).flat_map(at_steps).collect::<Vec<_>>()
             }
         }
     };
@@ -137,8 +143,17 @@ pub fn beside_minimum(machine: &Machine, runs: &[Run], whitenings: &[Whitening])
         of.interpolator.minimum_cruise_ratio = ratio;
         of
     });
-    let accelerated = with_ratio
-        .flat_map(|of| RESTART_ACCELERATION_RATIOS.map(|ratio| of.with_scaled_accelerations(ratio)));
+    let of_one_axis = |of: &Machine, axis: usize| {
+        RESTART_AXIS_RATIOS.map(|ratio| {
+            let mut of = of.clone();
+            of.axes[axis].acceleration *= ratio;
+            of
+        })
+    };
+    let accelerated = with_ratio.flat_map(|of| {
+        let of_all = RESTART_ACCELERATION_RATIOS.map(|ratio| of.with_scaled_accelerations(ratio));
+        of_all.into_iter().chain((0..3).flat_map(move |axis| of_one_axis(&of, axis)))
+    });
     let scaled =
         accelerated.flat_map(|of| RESTART_JUNCTION_RATIOS.map(|ratio| of.with_scaled_junction(ratio)));
     nearest([machine.clone()].into_iter().chain(scaled), runs, whitenings).filter(|other| other != machine)
@@ -179,15 +194,40 @@ fn has_junction_law(machine: &Machine) -> bool {
     matches!(machine.interpolator.junction, Junction::Deviation(_) | Junction::SquareCorner(_))
 }
 
-/// Returns the machine with another way to blend corners if that is nearer to the runs; `None` if none is nearer or
-/// the machine does not blend corners in time.
+/// Returns the machine with another way to blend corners, or with other steps of its axes, if that is nearer to the runs;
+/// `None` if none is nearer.
 pub fn chosen_again(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Option<Machine> {
-    let others = with_other_blends(machine);
+    let others = with_other_blends(machine).into_iter().chain(with_and_without_steps(machine, runs));
+    let others: Vec<Machine> = others.filter(|other| other != machine).collect();
     if others.is_empty() {
         return None;
     }
     let ways = [machine.clone()].into_iter().chain(others);
-    nearest(ways, runs, whitenings).filter(|other| other.interpolator != machine.interpolator)
+    nearest(ways, runs, whitenings).filter(|other| other != machine)
+}
+
+/// Returns a planner with a junction deviation with the steps of the recorded positions, which may be those of its motors or
+/// the resolution of the recorder, and without; only the planner itself if it has another law or its recorded positions have
+/// no steps.
+fn with_and_without_steps(machine: &Machine, runs: &[Run]) -> Vec<Machine> {
+    let recorded: Vec<[f64; 3]> =
+        runs.iter().filter_map(|run| Some(run.alignment.track.as_ref()?.steps)).collect();
+    let Some(steps) =
+        recorded.first().filter(|_| matches!(machine.interpolator.junction, Junction::Deviation(_)))
+    else {
+        return vec![machine.clone()];
+    };
+    let is_same = |axis: usize| {
+        recorded
+            .iter()
+            .all(|other| (other[axis] - steps[axis]).abs() < MAX_STEP_DIFFERENCE_RATIO * steps[axis])
+    };
+    let [mut with, mut without] = [machine.clone(), machine.clone()];
+    for axis in 0..3 {
+        with.axes[axis].step = if is_same(axis) { steps[axis] } else { 0.0 };
+        without.axes[axis].step = 0.0;
+    }
+    vec![with, without]
 }
 
 /// Returns the machine with each other way to blend corners; none if it does not blend corners in time.

@@ -84,24 +84,24 @@ pub fn rapid_moves(run: &Run, segment: impl Fn(&Fix) -> usize) -> Vec<RapidMove>
 }
 
 impl RapidMove {
-    /// Returns the velocities that the move holds, each axis without its sign, mm/s; positions are known to `noise` (mm).
-    pub fn held(&self, track: &Track, noise: f64) -> impl Iterator<Item = Vector> {
+    /// Returns the velocities that the move holds, each axis without its sign, mm/s; `error` is the largest
+    /// error of a distance between two samples, mm.
+    pub fn held(&self, track: &Track, error: f64) -> impl Iterator<Item = Vector> {
         let (first, last) = self.samples;
-        let window = self.window(track, noise);
+        let window = self.window(track, error);
         let begins = first..(last + 1).saturating_sub(window.saturating_mul(3));
         begins.filter_map(move |begin| steady(track.successive_velocities(begin, window)))
     }
 
     /// Returns the shortest window, in samples, over which a velocity that the move holds differs from ramps that meet, and
     /// is known as accurately as velocities on a plateau agree.
-    fn window(&self, track: &Track, noise: f64) -> usize {
+    fn window(&self, track: &Track, error: f64) -> usize {
         let (first, last) = self.samples;
         let seconds = track.time[last] - track.time[first];
         let by_ramps = MIN_WINDOW_RATIO * seconds / track.interval;
         let mean_speed = self.length.norm() / seconds;
-        let by_noise =
-            std::f64::consts::SQRT_2 * noise / (PLATEAU_TOLERANCE_RATIO * mean_speed * track.interval);
-        (by_ramps.max(by_noise).ceil() as usize).max(MIN_SAMPLES)
+        let by_error = error / (PLATEAU_TOLERANCE_RATIO * mean_speed * track.interval);
+        (by_ramps.max(by_error).ceil() as usize).max(MIN_SAMPLES)
     }
 
     /// Returns the highest velocity of each axis over `window` samples, mm/s.
@@ -173,11 +173,14 @@ mod tests {
             })
             .collect();
         let rapid = RapidMove { samples: (0, time.len() - 1), length: Vector::new(0.0, 0.0, z) };
-        (Track { time, position, recorded: [true; 3], noise: 1e-4, interval: INTERVAL_S }, rapid)
+        (
+            Track { time, position, recorded: [true; 3], noise: 1e-4, interval: INTERVAL_S, steps: [0.0; 3] },
+            rapid,
+        )
     }
 
     fn holds_a_velocity((track, rapid): &(Track, RapidMove)) -> bool {
-        rapid.held(track, 4.0 * track.noise).next().is_some()
+        rapid.held(track, 4.0 * std::f64::consts::SQRT_2 * track.noise).next().is_some()
     }
 
     fn of(velocities: [[f64; 3]; 3]) -> Option<Vector> {

@@ -8,7 +8,7 @@
 //! A line that is cut more slowly than programmed, at a constant velocity, is held back by the axis that moves
 //! furthest, if that axis is nowhere faster where it cuts.
 
-use crate::identification::alignment::Fix;
+use crate::identification::alignment::{Fix, Track};
 use crate::identification::calibration::rapid_moves::{
     PLATEAU_TOLERANCE_RATIO, RapidPeak, at_limit, plateau, rapid_moves,
 };
@@ -85,15 +85,21 @@ struct RapidVelocities {
 }
 
 impl ReachedVelocity {
-    /// Returns the velocities from the highest one of each rapid (mm/s), with a standard deviation of `noise` (mm/s),
+    /// Returns the velocities from the highest one of each rapid (mm/s), of which none is off by more than `error` (mm/s),
     /// and from the highest plateau (mm/s).
-    fn of(mut fastest_of_each: Vec<f64>, noise: f64, plateau: f64) -> ReachedVelocity {
+    fn of(mut fastest_of_each: Vec<f64>, error: f64, plateau: f64) -> ReachedVelocity {
         sort_by_number(&mut fastest_of_each, |speed| -speed);
-        let often =
-            fastest_of_each.get(MIN_RAPIDS - 1).map_or(0.0, |speed| speed - MAX_NOISE_DEVIATIONS * noise);
+        let often = fastest_of_each.get(MIN_RAPIDS - 1).map_or(0.0, |speed| speed - error);
         let fastest = fastest_of_each.first().copied().unwrap_or(0.0);
         ReachedVelocity { fastest: fastest.max(plateau), certain: often.max(plateau) }
     }
+}
+
+/// Returns the largest error of the distance between two recorded positions of an axis, mm: a step, if nothing but rounding
+/// to whole steps makes it.
+fn largest_error(track: &Track) -> f64 {
+    let step = track.steps.into_iter().fold(0.0, f64::max);
+    if track.noise <= step { step } else { MAX_NOISE_DEVIATIONS * std::f64::consts::SQRT_2 * track.noise }
 }
 
 impl RapidPlateaus {
@@ -104,13 +110,13 @@ impl RapidPlateaus {
         let with_positions = runs.iter().filter(|run| run.alignment.track.is_some());
         let count = with_positions.clone().map(|run| seen.take(run, &mut rapids)).count();
         let tracks = with_positions.filter_map(|run| run.alignment.track.as_ref());
-        let noise = tracks.map(|track| track.noise).fold(0.0, f64::max) * std::f64::consts::SQRT_2 / WINDOW_S;
-        rapids.at_full_rate.extend(at_limit(&rapids.peaks, MAX_NOISE_DEVIATIONS * noise));
+        let error = tracks.map(|track| largest_error(track)).fold(0.0, f64::max) / WINDOW_S;
+        rapids.at_full_rate.extend(at_limit(&rapids.peaks, error));
         seen.path = rapids.at_full_rate.iter().map(Vector::norm).reduce(f64::max);
         (seen.axes, seen.guessed_axes) = rates(&rapids.at_full_rate);
         seen.reached = [0, 1, 2].map(|axis| {
             let fastest_of_each = rapids.fastest.iter().map(|fastest| fastest[axis]).collect();
-            ReachedVelocity::of(fastest_of_each, noise, rapids.held[axis])
+            ReachedVelocity::of(fastest_of_each, error, rapids.held[axis])
         });
         (0 < count).then_some(seen)
     }
@@ -124,7 +130,7 @@ impl RapidPlateaus {
         let segment = |fix: &Fix| segment_of(fix, &distances);
         let ratio = run.overrides.1.filter(|ratio| 0.0 < *ratio).unwrap_or(1.0);
         for rapid in rapid_moves(run, segment) {
-            for held in rapid.held(track, MAX_NOISE_DEVIATIONS * track.noise) {
+            for held in rapid.held(track, largest_error(track)) {
                 rapids.held = rapids.held.sup(&held);
                 rapids.at_full_rate.push(held / ratio);
             }
@@ -440,7 +446,7 @@ mod tests {
         (machine.axes[0].velocity, machine.axes[0].rapid) = (50.0, 50.0);
         machine.axes[1].velocity = 70.1;
         let reached = [(vec![90.0, 101.0, 80.0, 100.0, 99.0], 0.0), (vec![120.0], 70.0), (vec![], 0.0)];
-        let reached = reached.map(|(each, plateau)| ReachedVelocity::of(each, 0.1, plateau));
+        let reached = reached.map(|(each, plateau)| ReachedVelocity::of(each, 0.4, plateau));
         assert_eq!(reached.map(|own| own.certain), [100.0 - 0.1 * MAX_NOISE_DEVIATIONS, 70.0, 0.0]);
         let seen = RapidPlateaus { reached, ..RapidPlateaus::default() };
         let (raised, count) = seen.raised(&machine);

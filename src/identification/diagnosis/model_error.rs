@@ -21,7 +21,7 @@ pub const MAX_CHANGED_SETTINGS: usize = 2;
 pub const OTHER_FAMILY: &str = "the recording fits a control that plans its ramps by accelerations better than the filters of the machine file: calibrate the machine again with this recording beside the former ones";
 
 /// Message if limits or settings would explain lost time of a control whose law is unknown.
-pub const UNKNOWN_LAW: &str = "the ramps of this control follow a law that Truefeed does not know, so it names no limit or setting of it: a change of one and the error of the law look alike";
+pub const UNKNOWN_LAW: &str = "the calibrated ramps are not those of this control, so Truefeed names no limit or setting of it: a change of one and the error of the law look alike";
 
 /// The unexplained rest of runs on the machine that was calibrated on them: the error of the model itself, which is no
 /// cause.

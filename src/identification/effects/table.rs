@@ -295,7 +295,11 @@ effects! {
     /// Fast or slow clock of the recorder.
     RECORDER_CLOCK {
         id: "recorder_clock", rarity: OF_CLOCKS, nature: Nature::Switch, origin: Origin::Recorder, offered: overrides::recorder_clock,
-        sentence: |f| format!("The recorder's clock runs at {} of the true rate.", f.number(of::RATIO)),
+        sentence: |f| {
+            let ratio = f.value(of::RATIO).unwrap_or(f64::NAN);
+            let way = if ratio < 1.0 { "slow" } else { "fast" };
+            format!("The recorder's clock is {} % {way}.", three_digits(100.0 * (ratio - 1.0).abs()))
+        },
     }
     /// Recording of another program.
     WRONG_PROGRAM {

@@ -76,6 +76,7 @@ impl ProbeTrial {
         pass(f64::INFINITY, &mut places);
         let marks = simulated_marks(&toolpath, &plan, places, STAMP_DEVIATION_S);
         let track = Track {
+            steps: [0.0; 3],
             time: states.iter().map(|(time, _)| *time).collect(),
             position: states.iter().map(|(_, state)| state.position).collect::<Vec<Point>>(),
             recorded: [true; 3],

@@ -41,7 +41,7 @@
 
 pub mod blend;
 pub mod block;
-mod chords;
+mod blocks;
 pub mod corner;
 mod circle_contact;
 mod corner_blend;
@@ -252,11 +252,11 @@ pub(crate) fn command(toolpath: &Toolpath, machine: &Machine, policy: CornerPoli
     }
 }
 
-/// Returns the plan with arcs run as the control runs them: whole or as chords.
+/// Returns the plan with the blocks that the control runs: arcs whole or as chords, and ends at whole steps.
 fn plan_of_curves(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy) -> FeedPlan {
-    match chords::chorded(toolpath, machine) {
-        Some(chorded) => {
-            chorded.planned(toolpath, policy, |toolpath, policy| plan_of_segments(toolpath, machine, policy))
+    match blocks::blocks(toolpath, machine) {
+        Some(blocks) => {
+            blocks.planned(toolpath, policy, |toolpath, policy| plan_of_segments(toolpath, machine, policy))
         }
         None => plan_of_segments(toolpath, machine, policy),
     }

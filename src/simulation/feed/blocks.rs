@@ -1,4 +1,4 @@
-//! Arcs as the chords that a control runs in place of them.
+//! Blocks as a control runs them: arcs as chords, and ends at whole steps.
 //!
 //! An arc of radius r, sweep θ and length L becomes n chords of equal sweep, each a block like any other:
 //!
@@ -13,14 +13,23 @@
 //!
 //! Source: grbl 1.1, motion_control.c, mc_arc; Klipper, gcode_arcs.py. Limits: if a program would have more
 //! chords than [`MAX_ARC_CHORDS`] plus [`MAX_CHORDS_PER_SEGMENT`] for each of its segments, all chords are
-//! lengthened in proportion. grbl rounds the ends of chords to whole steps; here they lie on the arc.
+//! lengthened in proportion.
 //!
 //! Both controls turn the radius of the start; only the last chord ends at the programmed end, whose radius may differ by the
 //! last digit of the program. The last chord then turns more sharply than the others, and the control slows down for it.
+//!
+//! A control of stepping motors plans from whole steps: with the step s of an axis (mm), a line or chord ends at
+//!
+//! ```text
+//! s ⌊ x / s + 1/2 ⌋              x programmed position, mm; grbl, planner.c, plan_buffer_line
+//! ```
+//!
+//! so that short blocks turn by other angles than the program says, by about s divided by their length, and lines without a step
+//! are dropped. Limits: the steps are counted from the zero of the program.
 
 use crate::machine::{ArcChords, Machine};
 use crate::simulation::feed::substitute::{Cover, Substitute};
-use crate::simulation::toolpath::{Arc, Curve, Rotation, Segment, Toolpath};
+use crate::simulation::toolpath::{Arc, Curve, Point, Rotation, Segment, Toolpath};
 
 /// Most chords of all arcs of a program, in addition to [`MAX_CHORDS_PER_SEGMENT`].
 const MAX_ARC_CHORDS: f64 = 1e6;
@@ -28,30 +37,81 @@ const MAX_ARC_CHORDS: f64 = 1e6;
 /// Most chords for each segment of the program, on average.
 const MAX_CHORDS_PER_SEGMENT: f64 = 64.0;
 
-/// Returns the toolpath with its arcs as chords; `None` if arcs are run whole or there are none.
-pub fn chorded(toolpath: &Toolpath, machine: &Machine) -> Option<Substitute> {
+/// Returns the toolpath with the blocks that the control runs; `None` if these are the program's: if arcs are run whole or
+/// there are none, and no axis has steps.
+pub fn blocks(toolpath: &Toolpath, machine: &Machine) -> Option<Substitute> {
     let rule = machine.interpolator.arc_chords;
-    if rule == ArcChords::Whole {
-        return None;
-    }
-    let all: f64 = toolpath.segments.iter().map(|segment| count(&segment, rule)).sum();
-    if all == 0.0 {
+    let steps = machine.axes.map(|axis| axis.step);
+    let all: f64 = match rule {
+        ArcChords::Whole => 0.0,
+        _ => toolpath.segments.iter().map(|segment| count(&segment, rule)).sum(),
+    };
+    if all == 0.0 && steps == [0.0; 3] {
         return None;
     }
     let most = MAX_ARC_CHORDS + MAX_CHORDS_PER_SEGMENT * toolpath.segments.len() as f64;
     let share = (most / all).min(1.0);
-    let mut chorded = Substitute::default();
+    let mut at_steps = AtWholeSteps { blocks: Substitute::default(), steps, dropped: None };
     for (number, segment) in toolpath.segments.iter().enumerate() {
-        chorded.take_before(toolpath, number);
-        let chords = (share * count(&segment, rule)).floor().max(1.0) as usize;
-        if segment.curve == Curve::Line {
-            chorded.push_whole(number, segment);
+        at_steps.blocks.take_before(toolpath, number);
+        if segment.curve == Curve::Line || rule == ArcChords::Whole {
+            let cover = Cover { first: number, offset: 0.0, last: number, length: segment.length };
+            at_steps.push(segment, cover);
         } else {
-            add_chords(&mut chorded, number, &segment, chords);
+            let chords = (share * count(&segment, rule)).floor().max(1.0) as usize;
+            add_chords(&mut at_steps, number, &segment, chords);
         }
     }
-    chorded.take_stops(toolpath, usize::MAX);
-    Some(chorded)
+    let mut blocks = at_steps.finished()?;
+    blocks.take_stops(toolpath, usize::MAX);
+    Some(blocks)
+}
+
+/// The blocks of a control whose axes have steps.
+struct AtWholeSteps {
+    blocks: Substitute,
+    /// Distance of one step of each axis, mm; 0 for an axis without steps.
+    steps: [f64; 3],
+    /// The part of the program since the last block that is shorter than a step.
+    dropped: Option<Cover>,
+}
+
+impl AtWholeSteps {
+    /// Adds a block that begins and ends at whole steps. The control drops a line that begins and ends at the same ones.
+    fn push(&mut self, mut block: Segment, cover: Cover) {
+        let has_steps = self.steps != [0.0; 3];
+        if has_steps {
+            (block.start, block.end) = (self.rounded(block.start), self.rounded(block.end));
+            if block.curve == Curve::Line && block.rotation.is_none() {
+                block.length = (block.end - block.start).norm();
+            }
+        }
+        let cover = match self.dropped.take() {
+            Some(before) => Cover { last: cover.last, length: before.length + cover.length, ..before },
+            None => cover,
+        };
+        if has_steps && block.length == 0.0 {
+            self.dropped = Some(cover);
+        } else {
+            self.blocks.push(block, cover);
+        }
+    }
+
+    fn rounded(&self, mut point: Point) -> Point {
+        for (axis, step) in self.steps.into_iter().enumerate().filter(|(_, step)| 0.0 < *step) {
+            point[axis] = step * (point[axis] / step).round();
+        }
+        point
+    }
+
+    /// Returns the blocks, the last of which covers what was dropped after it; `None` if there is no block.
+    fn finished(mut self) -> Option<Substitute> {
+        let last = self.blocks.covers.last_mut()?;
+        if let Some(dropped) = self.dropped {
+            (last.last, last.length) = (dropped.last, last.length + dropped.length);
+        }
+        Some(self.blocks)
+    }
 }
 
 /// Returns the number of chords of an arc by the rule; 0 for a line.
@@ -83,7 +143,7 @@ fn of_start_radius(segment: &Segment) -> Segment {
     turned
 }
 
-fn add_chords(chorded: &mut Substitute, number: usize, segment: &Segment, chords: usize) {
+fn add_chords(blocks: &mut AtWholeSteps, number: usize, segment: &Segment, chords: usize) {
     let part = segment.length / chords as f64;
     let rotation = Rotation::from(*segment.rotation / chords as f64);
     let turned = of_start_radius(segment);
@@ -97,7 +157,7 @@ fn add_chords(chorded: &mut Substitute, number: usize, segment: &Segment, chords
             if 0.0 < length { (Curve::Line, length) } else { (segment.curve.clone(), part) };
         let exact_stop = is_last && segment.exact_stop;
         let chord = Segment { start, end, curve, length, rotation: rotation.clone(), exact_stop, ..*segment };
-        chorded.push(chord, Cover { first: number, offset: part * k as f64, last: number, length: part });
+        blocks.push(chord, Cover { first: number, offset: part * k as f64, last: number, length: part });
         start = end;
     }
 }
@@ -105,8 +165,8 @@ fn add_chords(chorded: &mut Substitute, number: usize, segment: &Segment, chords
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::TimeConstants;
-    use crate::simulation::feed::{Tolerances, command};
+    use crate::machine::{Junction, TimeConstants};
+    use crate::simulation::feed::{FeedPlan, Tolerances, command};
     use crate::simulation::gcode::read;
     use crate::simulation::interpreter::trace;
     use crate::simulation::toolpath::Vector;
@@ -124,7 +184,7 @@ mod tests {
     fn chords_of(program: &str, rule: ArcChords) -> Option<(Toolpath, Substitute)> {
         let machine = machine(rule);
         let toolpath = trace(&read(program.as_bytes()), &machine);
-        chorded(&toolpath, &machine).map(|chorded| (toolpath, chorded))
+        blocks(&toolpath, &machine).map(|chorded| (toolpath, chorded))
     }
 
     const CIRCLE: &str = "G1 F2000 X10\nG2 X10 Y0 I-5 J0\nG1 X20\n";
@@ -145,6 +205,42 @@ mod tests {
         let turn = |one: &Segment, other: &Segment| one.tangent(0.0).angle(&other.tangent(0.0));
         let usual = turn(&others[0], &others[1]);
         assert!(0.02 < (turn(&others[others.len() - 1], last) - usual).abs(), "{usual}");
+    }
+
+    /// Lines of 0.1 mm in one direction, whose ends lie between steps of 0.004 mm.
+    #[test]
+    fn short_lines_turn_by_the_angles_between_whole_steps() {
+        let points =
+            (1..40).map(|k| format!("G1 F3000 X{:.3} Y{:.3}\n", 0.1 * f64::from(k), 0.017 * f64::from(k)));
+        let program = format!("{}X3.9 Y0.6631\nZ-0.001\n", points.collect::<String>());
+        let mut machine = machine(ArcChords::Whole);
+        machine.interpolator.junction = Junction::Deviation(2e-5);
+        machine.axes.iter_mut().for_each(|axis| axis.acceleration = 5000.0);
+        let toolpath = trace(&read(program.as_bytes()), &machine);
+        assert!(blocks(&toolpath, &machine).is_none(), "no step and no arc");
+        let exact = command(&toolpath, &machine, Tolerances::Programmed.into());
+        machine.axes.iter_mut().for_each(|axis| axis.step = 0.004);
+        let at_steps = blocks(&toolpath, &machine).expect("the axes have steps");
+        for (block, line) in at_steps.toolpath.segments.iter().zip(toolpath.segments.iter()).take(39) {
+            for axis in 0..3 {
+                let steps = block.end[axis] / 0.004;
+                assert!((steps - steps.round()).abs() < 1e-9, "{} mm", block.end[axis]);
+                assert!((block.end[axis] - line.end[axis]).abs() <= 0.002 + 1e-9);
+            }
+            assert!(((block.end - block.start).norm() - block.length).abs() < 1e-12);
+        }
+        // The last line is shorter than a step, the one before it ends at its end.
+        assert_eq!(at_steps.covers.len(), toolpath.segments.len() - 2);
+        assert_eq!(at_steps.covers.last().map(|cover| cover.last), Some(toolpath.segments.len() - 1));
+        let covered: f64 = at_steps.covers.iter().map(|cover| cover.length).sum();
+        let programmed: f64 = toolpath.segments.iter().map(|line| line.length).sum();
+        assert!((covered - programmed).abs() < 1e-9);
+        let slower = command(&toolpath, &machine, Tolerances::Programmed.into());
+        // Turns of up to 0.04 rad, where v² = 8 a δ / θ².
+        let slowest =
+            |plan: &FeedPlan| plan.corner_feedrates[15..25].iter().copied().fold(f64::INFINITY, f64::min);
+        assert!((slowest(&exact) - 50.0).abs() < 1e-9, "{} mm/s", slowest(&exact));
+        assert!(slowest(&slower) < 45.0, "{} mm/s", slowest(&slower));
     }
 
     #[test]
