@@ -206,28 +206,28 @@ pub fn chosen_again(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -
     nearest(ways, runs, whitenings).filter(|other| other != machine)
 }
 
-/// Returns a planner with a junction deviation with the steps of the recorded positions, which may be those of its motors or
-/// the resolution of the recorder, and without; only the planner itself if it has another law or its recorded positions have
-/// no steps.
+/// Returns a planner with a junction deviation both with the steps of the recorded positions, which may be those of its
+/// motors or the resolution of the recorder, and without steps; other planners are returned alone.
 fn with_and_without_steps(machine: &Machine, runs: &[Run]) -> Vec<Machine> {
+    if !matches!(machine.interpolator.junction, Junction::Deviation(_)) {
+        return vec![machine.clone()];
+    }
     let recorded: Vec<[f64; 3]> =
         runs.iter().filter_map(|run| Some(run.alignment.track.as_ref()?.steps)).collect();
-    let Some(steps) =
-        recorded.first().filter(|_| matches!(machine.interpolator.junction, Junction::Deviation(_)))
-    else {
-        return vec![machine.clone()];
+    let with_steps = |of_axis: &dyn Fn(usize) -> f64| {
+        let mut machine = machine.clone();
+        machine.axes.iter_mut().enumerate().for_each(|(at, axis)| axis.step = of_axis(at));
+        machine
     };
-    let is_same = |axis: usize| {
-        recorded
-            .iter()
-            .all(|other| (other[axis] - steps[axis]).abs() < MAX_STEP_DIFFERENCE_RATIO * steps[axis])
+    let common = |axis: usize| {
+        let mut all = recorded.iter().map(|steps| steps[axis]);
+        let first = all.next().unwrap_or(0.0);
+        let is_same = |other: f64| (other - first).abs() < MAX_STEP_DIFFERENCE_RATIO * first;
+        if all.all(is_same) { first } else { 0.0 }
     };
-    let [mut with, mut without] = [machine.clone(), machine.clone()];
-    for axis in 0..3 {
-        with.axes[axis].step = if is_same(axis) { steps[axis] } else { 0.0 };
-        without.axes[axis].step = 0.0;
-    }
-    vec![with, without]
+    let mut both = vec![with_steps(&common), with_steps(&|_| 0.0)];
+    both.dedup();
+    both
 }
 
 /// Returns the machine with each other way to blend corners; none if it does not blend corners in time.

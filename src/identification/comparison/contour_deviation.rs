@@ -164,8 +164,8 @@ impl ContourDeviation {
         position: &[f64; 3],
         near: &mut [usize; 3],
     ) -> (f64, f64, f64) {
-        let Difference { square: all, along: forward, speed_square: own } =
-            Difference::of(actual, self.recorded, time, position, near);
+        let PositionDifference { square: all, along: forward, speed_square: own } =
+            PositionDifference::of(actual, self.recorded, time, position, near);
         // The difference along the motion is weighted by the uncertainty of the stamps.
         let ahead = if 0.0 < own { forward * forward / own } else { 0.0 };
         let certain = self.noise * self.noise;
@@ -207,7 +207,7 @@ impl<'a> SimulatedClock<'a> {
 }
 
 /// The difference e of a recorded position from the simulated one, with the simulated velocity v.
-pub(super) struct Difference {
+pub(super) struct PositionDifference {
     /// e·e, mm².
     pub square: f64,
     /// e·v, mm²/s.
@@ -216,7 +216,7 @@ pub(super) struct Difference {
     pub speed_square: f64,
 }
 
-impl Difference {
+impl PositionDifference {
     /// Returns the difference in the recorded axes at a simulated time (s). For each axis `near` holds the row that the
     /// last search found.
     pub(super) fn of(
@@ -225,8 +225,8 @@ impl Difference {
         time: f64,
         position: &[f64; 3],
         near: &mut [usize; 3],
-    ) -> Difference {
-        let mut sums = Difference { square: 0.0, along: 0.0, speed_square: 0.0 };
+    ) -> PositionDifference {
+        let mut sums = PositionDifference { square: 0.0, along: 0.0, speed_square: 0.0 };
         for axis in (0..3).filter(|axis| recorded[*axis]) {
             let (there, velocity) = simulated[axis].at(time, &mut near[axis]);
             let difference = position[axis] - there;

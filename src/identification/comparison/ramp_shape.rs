@@ -24,7 +24,7 @@
 
 use crate::identification::alignment::Alignment;
 use crate::identification::comparison::Comparison;
-use crate::identification::comparison::contour_deviation::{Difference, SimulatedClock};
+use crate::identification::comparison::contour_deviation::{PositionDifference, SimulatedClock};
 use crate::machine::Machine;
 use crate::simulation::drive::AxisMotion;
 use crate::simulation::feed::FeedPlan;
@@ -68,7 +68,7 @@ pub fn ramp_misfits(
         for fix in fixes {
             let Some(sample) = fix.sample else { continue };
             let (time, position) = (fix.time - lost, track.position[sample].into());
-            let e = Difference::of(&motion, track.recorded, time, &position, &mut near);
+            let e = PositionDifference::of(&motion, track.recorded, time, &position, &mut near);
             let velocity = e.speed_square.sqrt();
             window.push(time, velocity, if 0.0 < velocity { e.along / velocity } else { 0.0 });
         }

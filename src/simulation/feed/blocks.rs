@@ -55,7 +55,7 @@ pub fn blocks(toolpath: &Toolpath, machine: &Machine) -> Option<Substitute> {
     for (number, segment) in toolpath.segments.iter().enumerate() {
         at_steps.blocks.take_before(toolpath, number);
         if segment.curve == Curve::Line || rule == ArcChords::Whole {
-            let cover = Cover { first: number, offset: 0.0, last: number, length: segment.length };
+            let cover = Cover::whole(number, segment.length);
             at_steps.push(segment, cover);
         } else {
             let chords = (share * count(&segment, rule)).floor().max(1.0) as usize;

@@ -215,7 +215,7 @@ impl Merging<'_> {
 
     fn copy(&mut self, number: usize, segment: &Segment) {
         self.flush();
-        let cover = Cover { first: number, offset: 0.0, last: number, length: segment.length };
+        let cover = Cover::whole(number, segment.length);
         self.merged.push(segment.clone(), cover);
     }
 }

@@ -42,6 +42,13 @@ pub struct Cover {
     pub length: f64,
 }
 
+impl Cover {
+    /// Returns the part that is one segment of the program, given its index and length, mm.
+    pub fn whole(number: usize, length: f64) -> Cover {
+        Cover { first: number, offset: 0.0, last: number, length }
+    }
+}
+
 impl Substitute {
     /// Adds a segment and the part that it covers.
     pub fn push(&mut self, segment: Segment, cover: Cover) {
@@ -70,12 +77,6 @@ impl Substitute {
             self.spins += 1;
         }
         self.take_stops(program, number);
-    }
-
-    /// Adds a segment of the program unchanged.
-    pub fn push_whole(&mut self, number: usize, segment: Segment) {
-        let cover = Cover { first: number, offset: 0.0, last: number, length: segment.length };
-        self.push(segment, cover);
     }
 
     /// Returns `true` if the program has a stop before its segment `number` that was not copied.
