@@ -18,8 +18,6 @@ use crate::machine::{Junction, KLIPPER_MIN_CRUISE_RATIO, Machine, Planner};
 const INITIAL_CRUISE_RATIOS: [f64; 2] = [KLIPPER_MIN_CRUISE_RATIO, 0.1];
 /// Factors for the fitted accelerations in a restart. They take the fit out of a local minimum.
 const RESTART_ACCELERATION_RATIOS: [f64; 3] = [0.6, 1.0, 1.6];
-/// Factors for the fitted acceleration of one axis in a restart: it also makes up for corners that only this axis slows.
-const RESTART_AXIS_RATIOS: [f64; 2] = [0.7, 1.4];
 /// Factors for the fitted value of the junction law in a restart.
 const RESTART_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
 /// Factors for the fitted accelerations of a planner that gets a jerk limit.
@@ -143,17 +141,8 @@ pub fn beside_minimum(machine: &Machine, runs: &[Run], whitenings: &[Whitening])
         of.interpolator.minimum_cruise_ratio = ratio;
         of
     });
-    let of_one_axis = |of: &Machine, axis: usize| {
-        RESTART_AXIS_RATIOS.map(|ratio| {
-            let mut of = of.clone();
-            of.axes[axis].acceleration *= ratio;
-            of
-        })
-    };
-    let accelerated = with_ratio.flat_map(|of| {
-        let of_all = RESTART_ACCELERATION_RATIOS.map(|ratio| of.with_scaled_accelerations(ratio));
-        of_all.into_iter().chain((0..3).flat_map(move |axis| of_one_axis(&of, axis)))
-    });
+    let accelerated = with_ratio
+        .flat_map(|of| RESTART_ACCELERATION_RATIOS.map(|ratio| of.with_scaled_accelerations(ratio)));
     let scaled =
         accelerated.flat_map(|of| RESTART_JUNCTION_RATIOS.map(|ratio| of.with_scaled_junction(ratio)));
     nearest([machine.clone()].into_iter().chain(scaled), runs, whitenings).filter(|other| other != machine)

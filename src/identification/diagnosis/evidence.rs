@@ -283,8 +283,8 @@ fn deviation_between_trials(trials: &[Vec<f64>], at: usize) -> f64 {
     }
 }
 
-/// Returns the whole number within a bracket at which a function is least, and the function there, from one at which it is known and less than
-/// at both ends: by steps from there that halve where neither side is less.
+/// Returns the whole number within a bracket at which a function is least, and the function there. The search begins at a
+/// number at which the function is known and less than at both ends, and goes by steps that halve where neither side is less.
 fn least_whole_number(
     (mut value, mut least): (f64, f64),
     (low, high): (f64, f64),
