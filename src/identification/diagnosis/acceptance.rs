@@ -24,10 +24,12 @@ use crate::identification::diagnosis::speeds::Speeds;
 use crate::identification::diagnosis::verdict::MAX_REMAINING_PART;
 use crate::identification::diagnosis::{Candidate, Evidence, MIN_LOST_TIME_S, regions, standing};
 use crate::identification::effects::{
-    AXIS_VELOCITY_LIMIT, Hypothesis, MIN_EXPLAINED_SHARE, Nature, RAPID_OVERRIDE, UNEQUAL_FILTERS,
+    AXIS_VELOCITY_LIMIT, FILTER_TIME_CONSTANT, Hypothesis, MIN_EXPLAINED_SHARE, Nature, RAPID_OVERRIDE,
+    UNEQUAL_FILTERS,
 };
 use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::Machine;
+use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 use crate::simulation::feed::limits::requested_feedrate;
 use crate::simulation::toolpath::{Motion, Segment};
 
@@ -241,6 +243,12 @@ pub fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
         return true;
     }
     let believed = freed.handle.get(machine).filter(|value| 0.0 < *value);
+    // Filters shorter than a cycle of the control shape no ramp.
+    if hypothesis.effect == FILTER_TIME_CONSTANT
+        && believed.is_some_and(|believed| believed.max(candidate.values[0]) < LINUXCNC_SERVO_PERIOD_S)
+    {
+        return true;
+    }
     // Override switches have steps of a whole percent and more.
     if hypothesis.effect.is_by_operator() && hypothesis.effect.nature == Nature::Switch {
         return believed.is_some_and(|believed| (candidate.values[0] - believed).abs() < HALF_A_STEP);
@@ -276,6 +284,20 @@ pub fn is_at_bound(candidate: &Candidate) -> bool {
 mod tests {
     use super::*;
     use crate::identification::effects::library;
+    use crate::machine::Planner;
+
+    /// A planner has the shortest filters that a simulation can have.
+    #[test]
+    fn filters_shorter_than_a_cycle_are_no_cause_on_a_planner() {
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::AccelerationBlend, 500.0);
+        let hypotheses = library(&machine, &[]);
+        let is_constant = |hypothesis: &Hypothesis| hypothesis.effect == FILTER_TIME_CONSTANT;
+        let constant = hypotheses.into_iter().find(is_constant).expect("the library has it");
+        let is_none =
+            |seconds: f64| is_as_believed(&Candidate::read_off(constant.clone(), seconds, 1e-5), &machine);
+        assert!(is_none(4e-4) && !is_none(8e-3));
+    }
 
     #[test]
     fn a_lower_limit_that_saves_time_is_no_cause() {
