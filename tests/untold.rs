@@ -6,7 +6,7 @@ use truefeed::identification::diagnosis::{Diagnosis, ModelError, Verdict, diagno
 use truefeed::identification::fit::Run;
 use truefeed::identification::measured::calibrated_on;
 use truefeed::identification::recording;
-use truefeed::machine::Machine;
+use truefeed::machine::{Junction, Machine};
 use truefeed::project::{DiagnosisReport, machine_from_toml};
 use truefeed::quote::{UnshownFeature, range};
 use truefeed::simulation::gcode::read;
@@ -472,5 +472,32 @@ fn a_control_of_an_unknown_law_has_no_limits_to_name() {
     assert!(messages.iter().any(|message| message.contains("names no limit or setting")), "{messages:?}");
     for machine in [&known, &unknown] {
         assert_eq!(ids(machine, &overridden).1, ["feed_override"]);
+    }
+}
+
+/// A contour with few corners between feed moves, twice at other depths.
+fn contour() -> String {
+    let pass = |z: f64| {
+        format!(
+            "G0 X15.723 Y-12.56 Z1\nG1 Z{z} F300\nG3 X14.529 Y-8.488 I1.439 J2.633 F1480\nG1 X17.713 Y-2.662\n\
+             G3 X17.84 Y-1.231 I-1.576 J0.861\nG1 X14.117 Y9.89\nG3 X13.338 Y10.86 I-1.704 J-0.57\nG1 X-1.05 Y19.494\n\
+             G3 X-2.813 Y19.542 I-0.924 J-1.54\nG1 X-14.555 Y13.341\nG3 X-15.503 Y11.935 I0.839 J-1.589\n\
+             G1 X-16.362 Y3.541\nG1 X14.529 Y-8.488\nG0 Z12\n"
+        )
+    };
+    format!("G21 G90\nG0 Z12\n{}{}M30\n", pass(-0.821), pass(-1.642))
+}
+
+#[test]
+fn a_planner_whose_ramps_have_the_recorded_shape_is_taken() {
+    let mut truth = machine_from_toml(include_str!("data/machines/grbl.toml")).expect("the file is right");
+    for (axis, acceleration) in truth.axes.iter_mut().zip([2020.0, 2520.0, 1340.0]) {
+        (axis.acceleration, axis.velocity, axis.rapid) = (acceleration, 150.0, 150.0);
+    }
+    let machine = calibrated_on_run(&contour(), &truth);
+    assert!(matches!(machine.interpolator.junction, Junction::Deviation(_)), "{:?}", machine.interpolator);
+    assert_eq!(machine.calibrated_on.misfit_of_unknown_law(), None);
+    for (axis, acceleration) in machine.axes.iter().zip([2020.0, 2520.0, 1340.0]) {
+        assert!((axis.acceleration / acceleration - 1.0).abs() < 0.1, "{} mm/s²", axis.acceleration);
     }
 }

@@ -239,7 +239,11 @@ impl<'a> Fitting<'a> {
             }
         }
         let of_families: Vec<Model> = of_families.into_iter().map(|model| self.restarted(model)).collect();
-        let nearest = of_families.into_iter().reduce(|best, next| {
+        // The times of blocks hardly tell two families apart in a program of few corners; the shape of its ramps may.
+        let (with_its_ramps, others): (Vec<Model>, Vec<Model>) =
+            of_families.into_iter().partition(|model| self.has_recorded_ramps(model));
+        let possible = if with_its_ramps.is_empty() { others } else { with_its_ramps };
+        let nearest = possible.into_iter().reduce(|best, next| {
             let is_nearer = self.is_nearer(&next, &best);
             if is_nearer { next } else { best }
         });
@@ -282,7 +286,7 @@ impl<'a> Fitting<'a> {
     /// Returns the planner with a jerk limit if its ramps do not have the recorded shape and the limit is nearer by far;
     /// otherwise returns the planner unchanged.
     fn with_jerk_limit(&mut self, planner: Model) -> Model {
-        if ramp_misfit(&planner.best.machine, self.runs).is_none_or(|misfit| misfit <= MAX_RAMP_MISFIT) {
+        if self.has_recorded_ramps(&planner) {
             return planner;
         }
         let starts = families::with_jerk_limits(&planner.best.machine, self.runs, &planner.whitenings);
@@ -291,6 +295,11 @@ impl<'a> Fitting<'a> {
             let limited = self.restarted(Model { best, whitenings, order: 1 });
             if self.is_nearer(&limited, &planner) { limited } else { planner }
         })
+    }
+
+    /// Returns `true` if ramps have the recorded shape, or if no run shows it.
+    fn has_recorded_ramps(&self, model: &Model) -> bool {
+        ramp_misfit(&model.best.machine, self.runs).is_none_or(|misfit| misfit <= MAX_RAMP_MISFIT)
     }
 
     /// Returns `true` if a planner is nearer to the runs than an earlier one: by far if both blend corners in time or it has
