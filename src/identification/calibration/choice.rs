@@ -242,12 +242,11 @@ impl<'a> Fitting<'a> {
         // The times of blocks hardly tell two families apart in a program of few corners; the shape of its ramps may.
         let (with_its_ramps, others): (Vec<Model>, Vec<Model>) =
             of_families.into_iter().partition(|model| self.has_recorded_ramps(model));
-        let possible = if with_its_ramps.is_empty() { others } else { with_its_ramps };
-        let nearest = possible.into_iter().reduce(|best, next| {
-            let is_nearer = self.is_nearer(&next, &best);
-            if is_nearer { next } else { best }
-        });
-        let Some(planner) = nearest.map(|planner| self.with_jerk_limit(planner)) else { return };
+        let nearest = match self.nearest_planner(with_its_ramps) {
+            Some(planner) => Some(planner),
+            None => self.nearest_planner(others).map(|planner| self.with_jerk_limit(planner)),
+        };
+        let Some(planner) = nearest else { return };
         // At the noise of the one that leaves less, or nothing would tell two apart that leave little.
         let with_filters = cost_of(&model.best.machine, self.runs, &planner.whitenings);
         // Filters shorter than a cycle of the control shape no ramp, so the control is a planner.
@@ -283,12 +282,14 @@ impl<'a> Fitting<'a> {
         planner
     }
 
-    /// Returns the planner with a jerk limit if its ramps do not have the recorded shape and the limit is nearer by far;
-    /// otherwise returns the planner unchanged.
+    /// Returns the planner that is nearest to the runs; `None` if there is none.
+    fn nearest_planner(&self, planners: Vec<Model>) -> Option<Model> {
+        planners.into_iter().reduce(|best, next| if self.is_nearer(&next, &best) { next } else { best })
+    }
+
+    /// Returns a planner whose ramps do not have the recorded shape with a jerk limit if that is nearer by far; otherwise
+    /// returns the planner unchanged.
     fn with_jerk_limit(&mut self, planner: Model) -> Model {
-        if self.has_recorded_ramps(&planner) {
-            return planner;
-        }
         let starts = families::with_jerk_limits(&planner.best.machine, self.runs, &planner.whitenings);
         starts.iter().fold(planner, |planner, start| {
             let (best, whitenings) = self.fit_at_own_noise(start, 1, FTOL);

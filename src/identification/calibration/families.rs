@@ -203,9 +203,9 @@ fn with_and_without_steps(machine: &Machine, runs: &[Run]) -> Vec<Machine> {
     }
     let recorded: Vec<[f64; 3]> =
         runs.iter().filter_map(|run| Some(run.alignment.track.as_ref()?.steps)).collect();
-    let with_steps = |of_axis: &dyn Fn(usize) -> f64| {
+    let with_steps = |steps: [f64; 3]| {
         let mut machine = machine.clone();
-        machine.axes.iter_mut().enumerate().for_each(|(at, axis)| axis.step = of_axis(at));
+        machine.axes.iter_mut().zip(steps).for_each(|(axis, step)| axis.step = step);
         machine
     };
     let common = |axis: usize| {
@@ -214,7 +214,7 @@ fn with_and_without_steps(machine: &Machine, runs: &[Run]) -> Vec<Machine> {
         let is_same = |other: f64| (other - first).abs() < MAX_STEP_DIFFERENCE_RATIO * first;
         if all.all(is_same) { first } else { 0.0 }
     };
-    let mut both = vec![with_steps(&common), with_steps(&|_| 0.0)];
+    let mut both = vec![with_steps([0, 1, 2].map(common)), with_steps([0.0; 3])];
     both.dedup();
     both
 }

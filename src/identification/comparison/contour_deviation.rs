@@ -175,7 +175,7 @@ impl ContourDeviation {
     }
 }
 
-/// The simulated time at each moment of a recording, which takes the residual of the last mark before it.
+/// The clock of a simulation during a recording. At each moment it differs from the recorder's clock as at the last mark.
 pub(super) struct SimulatedClock<'a> {
     marks: &'a [Mark],
     /// Residuals at the marks, s.
@@ -197,7 +197,7 @@ impl<'a> SimulatedClock<'a> {
         Some(SimulatedClock { marks, residuals, offset, mark: 0 })
     }
 
-    /// Returns the simulated time at a recorded one, which is no earlier than that of the call before, s.
+    /// Returns the simulated time at a recorded time, s. Recorded times must not decrease from call to call.
     pub(super) fn at(&mut self, time: f64) -> f64 {
         while self.mark + 1 < self.marks.len() && self.marks[self.mark + 1].time <= time {
             self.mark += 1;

@@ -14,8 +14,6 @@ const SECTIONS: usize = 5;
 const POINTS_BETWEEN_TRIALS: usize = 9;
 /// Ratio of the cost with a limit to the cost without it above which tighter limits are not tried.
 const TOO_TIGHT: f64 = 3.0;
-/// Standard deviation of a number known to be nearest to a whole one: that of a uniform distribution of width 1.
-const WHOLE_NUMBER_DEVIATION: f64 = 0.288_675_134_594_812_9;
 
 /// Runs with the noise assumed of their residuals.
 #[derive(Clone)]
@@ -187,7 +185,7 @@ impl<'a> Evidence<'a> {
                 let cost_of = |value: f64| self.cost(&hypothesis.machine(machine, &[value]));
                 let (value, its_cost) = least_whole_number((values[0], cost), bracket, cost_of);
                 (values, cost) = (vec![value], its_cost);
-                deviations[0] = WHOLE_NUMBER_DEVIATION;
+                deviations[0] = uniform_deviation(1.0);
             }
         }
         Some(Candidate { hypothesis: hypothesis.clone(), values, deviations, cost, beside: Vec::new() })
@@ -278,9 +276,14 @@ fn deviation_between_trials(trials: &[Vec<f64>], at: usize) -> f64 {
     let before = apart(at.checked_sub(1).and_then(|before| trials.get(before)));
     let (below, above) = (before, apart(trials.get(at + 1)));
     match (below.or(above), above.or(below)) {
-        (Some(below), Some(above)) => (below + above) / 12f64.sqrt(),
+        (Some(below), Some(above)) => uniform_deviation(below + above),
         _ => f64::NAN,
     }
+}
+
+/// Returns the standard deviation of a number that is anywhere within an interval of this width with the same probability.
+fn uniform_deviation(width: f64) -> f64 {
+    width / 12f64.sqrt()
 }
 
 /// Returns the whole number within a bracket at which a function is least, and the function there. The search begins at a

@@ -11,9 +11,8 @@ use crate::identification::diagnosis::confidence::weighed;
 use crate::identification::diagnosis::evidence::{Looked, with_all};
 use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::model_error::{
-    is_of_machine, is_other_family, is_worth_a_search, without_story,
+    doubt_of_law, is_of_machine, is_worth_a_search, without_story,
 };
-use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::{Candidate, Cause, Pulsation, compared, read_off, regions, search};
 use crate::identification::effects::Hypothesis;
 use crate::identification::fit::Run;
@@ -37,10 +36,9 @@ pub struct InTime {
     pub excerpts: Option<Vec<Vec<Excerpt>>>,
     /// Pulsation of the feedrate that the causes leave.
     pub pulsation: Option<Pulsation>,
-    /// `true` if a checked machine file has the wrong family of controls: another family explains the runs better.
-    pub is_other_family: bool,
-    /// `true` if limits or settings would explain the runs, but the control follows an unknown law.
-    pub is_of_unknown_law: bool,
+    /// Message that limits or settings would explain the runs, but the control has another law than the machine file;
+    /// `None` if there are none.
+    pub doubt_of_law: Option<&'static str>,
 }
 
 impl InTime {
@@ -67,17 +65,14 @@ impl InTime {
             named.clear();
             pulsation = seen(&base);
         }
-        let is_other_family = Standing::of(start) != Standing::Unchecked
-            && is_other_family(start, &with_all(&base, &candidates(&named)));
-        let follows_unknown_law = start.calibrated_on.misfit_of_unknown_law().is_some();
+        let doubt_of_law = doubt_of_law(start, &with_all(&base, &candidates(&named)));
         let found = named.len();
-        let named = match is_other_family || follows_unknown_law {
-            true => without_story(start, &base, runs, named),
-            false => search.believable(library, named),
+        let named = match doubt_of_law {
+            Some(_) => without_story(start, &base, runs, named),
+            None => search.believable(library, named),
         };
-        let is_of_unknown_law = follows_unknown_law && named.len() < found;
-        let named = weighed(&base, runs, named);
-        InTime { named, read_off, excerpts, pulsation, is_other_family, is_of_unknown_law }
+        let doubt_of_law = doubt_of_law.filter(|_| named.len() < found);
+        InTime { named: weighed(&base, runs, named), read_off, excerpts, pulsation, doubt_of_law }
     }
 
     /// Returns `true` if there is no cause.

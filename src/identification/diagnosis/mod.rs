@@ -52,9 +52,7 @@ use crate::identification::diagnosis::cause::candidates;
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::in_time::InTime;
-use crate::identification::diagnosis::model_error::{
-    MAX_CHANGED_SETTINGS, OTHER_FAMILY, UNKNOWN_LAW, is_of_machine, is_other_family,
-};
+use crate::identification::diagnosis::model_error::{MAX_CHANGED_SETTINGS, is_of_machine, is_other_family};
 use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::verdict::{Left, MAX_SILENT_PART};
 use crate::identification::effects::{self, Effect, Hypothesis, library};
@@ -247,13 +245,12 @@ fn diagnose_as_it_is(
             crossed::crossed(machine, &with_all(&base, &drives.causes), &candidates(&in_time.named), runs)
         }
     };
-    let unknown_law = in_time.is_of_unknown_law.then_some(UNKNOWN_LAW);
-    let of_law = unknown_law.or(in_time.is_other_family.then_some(OTHER_FAMILY)).map(str::to_string);
+    let doubt_of_law = in_time.doubt_of_law.map(str::to_string);
     progress(1.0);
     Diagnosis {
         verdict: left.verdict(&causes),
         is_of_form: left.is_of_form(&causes),
-        messages: of_law.into_iter().chain(left.message(&causes)).collect(),
+        messages: doubt_of_law.into_iter().chain(left.message(&causes)).collect(),
         left: (seconds, rest.into_iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()))),
         causes,
         accounts,

@@ -18,10 +18,10 @@ use crate::machine::Machine;
 pub const MAX_CHANGED_SETTINGS: usize = 2;
 
 /// Message if the runs fit a control of another family than the machine file has.
-pub const OTHER_FAMILY: &str = "the recording fits a control that plans its ramps by accelerations better than the filters of the machine file: calibrate the machine again with this recording beside the former ones";
+const OTHER_FAMILY: &str = "the recording fits a control that plans its ramps by accelerations better than the filters of the machine file: calibrate the machine again with this recording beside the former ones";
 
 /// Message if limits or settings would explain lost time of a control whose law is unknown.
-pub const UNKNOWN_LAW: &str = "the calibrated ramps are not those of this control, so Truefeed names no limit or setting of it: a change of one and the error of the law look alike";
+const UNKNOWN_LAW: &str = "the calibrated ramps are not those of this control, so Truefeed names no limit or setting of it: a change of one and the error of the law look alike";
 
 /// The unexplained rest of runs on the machine that was calibrated on them: the error of the model itself, which is no
 /// cause.
@@ -108,10 +108,20 @@ pub fn is_other_family(start: &Machine, with_causes: &Machine) -> bool {
     start.has_filters() != with_causes.has_filters()
 }
 
+/// Returns the message that the law of the machine file is not that of the control: recorded ramps have another shape, so
+/// that parameters of the law have no meaning, or causes make another control of a checked machine file
+/// ([`is_other_family`]). `None` if nothing speaks against the law.
+pub fn doubt_of_law(start: &Machine, with_causes: &Machine) -> Option<&'static str> {
+    let is_unknown = start.calibrated_on.misfit_of_unknown_law().is_some();
+    let is_checked = Standing::of(start) != Standing::Unchecked;
+    let other_family = || (is_checked && is_other_family(start, with_causes)).then_some(OTHER_FAMILY);
+    is_unknown.then_some(UNKNOWN_LAW).or_else(other_family)
+}
+
 /// Returns the causes without the limits and settings of machine and control, if these are not believable: if the control
-/// follows a law that the simulation does not have, so that its parameters have no meaning; if there are more of them than
-/// change at once ([`MAX_CHANGED_SETTINGS`]); if they make another control of it ([`is_other_family`]); or if much lost time
-/// remains beside them, as a part of something unknown has no name. All causes remain if the machine file was never checked.
+/// has another law ([`doubt_of_law`]); if there are more of them than change at once ([`MAX_CHANGED_SETTINGS`]); or if much
+/// lost time remains beside them, as a part of something unknown has no name. All causes remain if the machine file was never
+/// checked.
 pub fn without_story(
     start: &Machine,
     base: &Machine,
@@ -124,8 +134,7 @@ pub fn without_story(
     let is_of_machine = |cause: &AcceptedCause| is_of_machine(&cause.candidate);
     let of_machine = named.iter().filter(|cause| is_of_machine(cause)).count();
     let with = with_all(base, &candidates(&named));
-    let is_of_unknown_law = start.calibrated_on.misfit_of_unknown_law().is_some();
-    let is_story = is_of_unknown_law || MAX_CHANGED_SETTINGS < of_machine || is_other_family(start, &with);
+    let is_story = MAX_CHANGED_SETTINGS < of_machine || doubt_of_law(start, &with).is_some();
     if is_story || 0 < of_machine && leaves_much(start, &with, runs, true) {
         named.retain(|cause| !is_of_machine(cause));
     }

@@ -5,14 +5,19 @@ use crate::machine::{MAX_RAMP_MISFIT, Planner};
 use crate::simulation::gcode::read;
 use crate::simulation::interpreter::trace;
 
+fn planner(family: Planner, acceleration: f64) -> Machine {
+    let mut machine = Machine::default();
+    machine.become_planner(family, acceleration);
+    machine
+}
+
 fn path(program: &str) -> Toolpath {
     trace(&read(program.as_bytes()), &Machine::default())
 }
 
 #[test]
 fn the_range_reaches_to_corners_that_are_planned_for_the_largest_override_that_runs_allow() {
-    let mut machine = Machine::default();
-    machine.become_planner(Planner::AccelerationBlend, 400.0);
+    let mut machine = planner(Planner::AccelerationBlend, 400.0);
     machine.interpolator.max_override = 1.2;
     let corners = path("G21 G90\nG1 X40 F1500\nY40\nX80\nY80\n");
     let known = CalibratedOn { range: Some(0.02), ..features_of([&corners]) };
@@ -33,8 +38,7 @@ fn the_range_reaches_to_corners_that_are_planned_for_the_largest_override_that_r
 /// Klipper limits the path, so its axes have no acceleration of their own.
 #[test]
 fn an_axis_at_rest_makes_no_rapid_uncertain() {
-    let mut machine = Machine::default();
-    machine.become_planner(Planner::SquareCorner, 500.0);
+    let mut machine = planner(Planner::SquareCorner, 500.0);
     let rapids = path("G21 G90\nG0 X50\nG1 X60 F1000\nG0 X0\n");
     machine.calibrated_on = CalibratedOn {
         range: Some(0.01),
@@ -65,8 +69,7 @@ fn an_arc_may_take_twice_as_long_if_the_runs_show_neither_corner_nor_arc() {
 
 #[test]
 fn the_range_reaches_to_other_chords_if_the_runs_show_no_arc() {
-    let mut machine = Machine::default();
-    machine.become_planner(Planner::JunctionDeviation, 900.0);
+    let mut machine = planner(Planner::JunctionDeviation, 900.0);
     machine.path.jerk = 15e3;
     let arc = path("G21 G90\nG1 X20 F3000\nG2 X20 Y0 I0 J-10\nG1 X40\n");
     let shares = |radii: Extent| {
@@ -95,8 +98,7 @@ fn the_range_is_wide_if_the_recorded_ramps_have_another_shape() {
 
 #[test]
 fn the_range_reaches_to_other_accelerations_if_one_was_assumed() {
-    let mut machine = Machine::default();
-    machine.become_planner(Planner::JunctionDeviation, 400.0);
+    let machine = planner(Planner::JunctionDeviation, 400.0);
     let legs = path("G21 G90\nG1 X40 F3000\nX0\nX40\nX0\n");
     let ratio_with = |assumed: [bool; 3], least: [f64; 3]| {
         let calibrated_on = CalibratedOn {
