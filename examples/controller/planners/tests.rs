@@ -112,7 +112,7 @@ fn calibrated_with_misfit(control: &str, kind: &str, settings: &Settings) -> (Ma
     let alignment = align(&log, &toolpath, &generic).expect("it is of that program");
     let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
     let machine = calibrate(&generic, &runs, &mut |_| {}).machine;
-    let misfit = ramp_misfit(&machine, &runs).expect("positions were recorded");
+    let misfit = ramp_misfit(&machine, &runs).of_path.expect("positions were recorded");
     (machine, misfit)
 }
 

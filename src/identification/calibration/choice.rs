@@ -300,7 +300,7 @@ impl<'a> Fitting<'a> {
 
     /// Returns `true` if ramps have the recorded shape, or if no run shows it.
     fn has_recorded_ramps(&self, model: &Model) -> bool {
-        ramp_misfit(&model.best.machine, self.runs).is_none_or(|misfit| misfit <= MAX_RAMP_MISFIT)
+        ramp_misfit(&model.best.machine, self.runs).of_path.is_none_or(|misfit| misfit <= MAX_RAMP_MISFIT)
     }
 
     /// Returns `true` if a planner is nearer to the runs than an earlier one: by far if both blend corners in time or it has

@@ -26,6 +26,7 @@ mod families;
 mod judgement;
 mod laws;
 mod motion;
+mod ramp_doubt;
 mod rapid_moves;
 mod rapids;
 mod spindle;
@@ -45,7 +46,7 @@ use crate::identification::calibration::judgement::Judgement;
 use crate::identification::comparison::{Comparison, Durations};
 use crate::identification::effects::parameters::PROGRAM_START;
 use crate::identification::fit::{
-    Exactness, FTOL, Fit, FreeParameter, Run, VariationScale, Whitening, cost_of, fit,
+    Exactness, FTOL, Fit, FreeParameter, Run, VariationScale, Whitening, cost_of, fit, ramp_misfit,
 };
 use crate::machine::{Handle, Machine, TimeConstants};
 use crate::simulation::feed::Tolerances;
@@ -187,6 +188,8 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     });
     let estimates = alike::of_each_axis(estimates.collect(), alike, untold, machine);
     rapids::limit_feed_as_rapids(&mut last.machine, fitting.plateaus);
+    let misfit = ramp_misfit(&last.machine, runs);
+    last.machine.calibrated_on.ramp_misfit = misfit.of_path;
     last.machine.calibrated_on.assumed_accelerations = untold;
     last.machine.calibrated_on.least_accelerations = least_accelerations;
     last.machine.calibrated_on.largest_override = largest_override;
@@ -199,7 +202,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     });
     Calibration {
         runs: results.collect(),
-        estimates,
+        estimates: estimates.into_iter().map(|own| ramp_doubt::doubted(own, &misfit)).collect(),
         correlations: (kept.iter().map(|(freed, _)| freed.handle.key()).collect(), last.correlations),
         fitted: kept
             .into_iter()

@@ -164,8 +164,9 @@ impl ContourDeviation {
         position: &[f64; 3],
         near: &mut [usize; 3],
     ) -> (f64, f64, f64) {
-        let PositionDifference { square: all, along: forward, speed_square: own } =
-            PositionDifference::of(actual, self.recorded, time, position, near);
+        let difference = PositionDifference::of(actual, self.recorded, time, position, near);
+        let PositionDifference { square: all, along: forward, .. } = difference;
+        let own = difference.speed_square();
         // The difference along the motion is weighted by the uncertainty of the stamps.
         let ahead = if 0.0 < own { forward * forward / own } else { 0.0 };
         let certain = self.noise * self.noise;
@@ -212,8 +213,8 @@ pub(super) struct PositionDifference {
     pub square: f64,
     /// e·v, mm²/s.
     pub along: f64,
-    /// v·v, mm²/s².
-    pub speed_square: f64,
+    /// Squared velocity of each recorded axis, mm²/s².
+    pub velocity_squares: [f64; 3],
 }
 
 impl PositionDifference {
@@ -226,15 +227,20 @@ impl PositionDifference {
         position: &[f64; 3],
         near: &mut [usize; 3],
     ) -> PositionDifference {
-        let mut sums = PositionDifference { square: 0.0, along: 0.0, speed_square: 0.0 };
+        let mut sums = PositionDifference { square: 0.0, along: 0.0, velocity_squares: [0.0; 3] };
         for axis in (0..3).filter(|axis| recorded[*axis]) {
             let (there, velocity) = simulated[axis].at(time, &mut near[axis]);
             let difference = position[axis] - there;
             sums.square += difference * difference;
             sums.along += difference * velocity;
-            sums.speed_square += velocity * velocity;
+            sums.velocity_squares[axis] = velocity * velocity;
         }
         sums
+    }
+
+    /// Returns v·v, mm²/s².
+    pub(super) fn speed_square(&self) -> f64 {
+        self.velocity_squares.iter().sum()
     }
 }
 

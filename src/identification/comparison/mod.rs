@@ -26,7 +26,7 @@ pub use contour_deviation::{ContourDeviation, TYPICAL_PARTS};
 pub use lost_time::{LostTimeCurve, lost_time_curve};
 pub use measures::{FeedError, PooledFeedError, PositionError, feed_error_during};
 pub use pointwise::{Pointwise, pointwise};
-pub use ramp_shape::{ramp_misfit, ramp_misfits};
+pub use ramp_shape::{RampMisfit, ramp_windows};
 
 use std::ops::Range;
 

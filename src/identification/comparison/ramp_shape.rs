@@ -18,7 +18,8 @@
 //!
 //! Within a ramp the misfit is the relative error of the simulated acceleration. It is 0 if each ramp has its
 //! recorded shape. The misfit of a run is the median over its windows, weighted by the denominator, so that a few
-//! places at which the simulation is far off do not change it. A window is compared at the time lost up to its middle, one
+//! places at which the simulation is far off do not change it; for the misfit of an axis, by the part of it that the axis
+//! has in the motion of the window. A window is compared at the time lost up to its middle, one
 //! for all its rows: the lost times of single marks scatter by milliseconds at blended corners, which would be steps of
 //! the position there. Limits: a window that is longer than a ramp dilutes its misfit.
 
@@ -41,15 +42,49 @@ const MIN_ROWS: usize = 8;
 /// Largest number of rows of a run that are compared.
 const MAX_ROWS: usize = 16_000;
 
-/// Returns the squared misfit of each window of a run with its weight, mm²; empty if positions were not recorded or
-/// too seldom. `comparison` compares the run with `plan`.
-pub fn ramp_misfits(
+/// The misfit of the ramps of runs, the relative error of their accelerations; `None` where nothing shows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RampMisfit {
+    /// Misfit of all ramps.
+    pub of_path: Option<f64>,
+    /// Misfit of the ramps of X, Y and Z.
+    pub of_axes: [Option<f64>; 3],
+}
+
+impl RampMisfit {
+    /// Returns the misfit of runs, given all their windows.
+    pub fn of(windows: &[RampWindow]) -> RampMisfit {
+        let median = |part: &dyn Fn(&RampWindow) -> f64| {
+            let weighted = windows.iter().map(|window| (window.misfit_square, window.change * part(window)));
+            weighted_median(weighted.filter(|(_, weight)| 0.0 < *weight).collect()).map(f64::sqrt)
+        };
+        RampMisfit {
+            of_path: median(&|_| 1.0),
+            of_axes: [0, 1, 2].map(|axis| median(&|window| window.of_axes[axis])),
+        }
+    }
+}
+
+/// The misfit of one window of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RampWindow {
+    /// Squared misfit.
+    misfit_square: f64,
+    /// Simulated change from motion at constant velocity, Σ (s − c − d t)², mm²: the weight of the window.
+    change: f64,
+    /// Parts of the axes in the sum of the squared velocities.
+    of_axes: [f64; 3],
+}
+
+/// Returns the misfit of each window of a run; empty if positions were not recorded or too seldom. `comparison` compares
+/// the run with `plan`.
+pub fn ramp_windows(
     toolpath: &Toolpath,
     plan: &FeedPlan,
     machine: &Machine,
     alignment: &Alignment,
     comparison: &Comparison,
-) -> Vec<(f64, f64)> {
+) -> Vec<RampWindow> {
     let clock = SimulatedClock::new(&alignment.marks, &comparison.simulated, &comparison.residuals);
     let (Some(track), Some(mut clock)) = (&alignment.track, clock) else { return Vec::new() };
     let rows = ((WINDOW_S / track.interval) as usize).max(MIN_ROWS);
@@ -69,7 +104,8 @@ pub fn ramp_misfits(
             let Some(sample) = fix.sample else { continue };
             let (time, position) = (fix.time - lost, track.position[sample].into());
             let e = PositionDifference::of(&motion, track.recorded, time, &position, &mut near);
-            let velocity = e.speed_square.sqrt();
+            let velocity = e.speed_square().sqrt();
+            window.add_squares(e.velocity_squares);
             window.push(time, velocity, if 0.0 < velocity { e.along / velocity } else { 0.0 });
         }
         found.extend(window.misfit(track.noise));
@@ -77,14 +113,11 @@ pub fn ramp_misfits(
     found
 }
 
-/// Returns the misfit of runs, given the misfits of all their windows; `None` if there are none.
-pub fn ramp_misfit(windows: Vec<(f64, f64)>) -> Option<f64> {
-    weighted_median(windows).map(f64::sqrt)
-}
-
-/// The rows of a window: time (s), velocity and distance of the simulation, and the recorded position ahead of it (mm).
+/// The rows of a window: time (s), velocity and distance of the simulation, and the recorded position ahead of it (mm), with
+/// the sums of the squared velocities of the axes, mm²/s².
 #[derive(Default)]
 struct Window {
+    velocity_squares: [f64; 3],
     time: Vec<f64>,
     velocity: Vec<f64>,
     distance: Vec<f64>,
@@ -105,13 +138,19 @@ impl Window {
         self.ahead.push(ahead);
     }
 
-    /// Returns the squared misfit at this noise of positions (mm), and the weight of the window, mm²; `None` if its
-    /// feedrate does not change.
-    fn misfit(&self, noise: f64) -> Option<(f64, f64)> {
+    /// Adds the squared velocities of the axes at a row, mm²/s².
+    fn add_squares(&mut self, velocity_squares: [f64; 3]) {
+        self.velocity_squares.iter_mut().zip(velocity_squares).for_each(|(sum, square)| *sum += square);
+    }
+
+    /// Returns the misfit at this noise of positions (mm); `None` if the feedrate of the window does not change.
+    fn misfit(&self, noise: f64) -> Option<RampWindow> {
         let change = squares_about_line(&self.time, &self.distance);
         let of_noise = noise * noise * (self.time.len() as f64 - 2.0);
         let left = (squares_about_line(&self.velocity, &self.ahead) - of_noise).max(0.0);
-        (of_noise < change).then(|| (left / change, change))
+        let all = self.velocity_squares.iter().sum::<f64>();
+        let of_axes = self.velocity_squares.map(|square| if 0.0 < all { square / all } else { 0.0 });
+        (of_noise < change).then(|| RampWindow { misfit_square: left / change, change, of_axes })
     }
 }
 
@@ -170,7 +209,7 @@ mod tests {
             }
             window.misfit(0.0)
         });
-        ramp_misfit(windows.collect()).expect("the feedrate changes")
+        RampMisfit::of(&windows.collect::<Vec<_>>()).of_path.expect("the feedrate changes")
     }
 
     #[test]

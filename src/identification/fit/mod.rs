@@ -36,7 +36,7 @@ pub use uncertainty::dispersion;
 pub use whitening::{NORMAL_MEDIAN_DEVIATION, Whitening};
 
 use crate::identification::alignment::{Alignment, ProgramPlace, times_at_marks};
-use crate::identification::comparison::{self, Comparison, compare, ramp_misfits, residuals};
+use crate::identification::comparison::{Comparison, RampMisfit, compare, ramp_windows, residuals};
 use crate::machine::Machine;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::simulate;
@@ -162,15 +162,13 @@ pub fn cost_of(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> f64
     cost(whitened(machine, runs, whitenings).iter().flatten())
 }
 
-/// Returns the misfit of the ramps of a machine over all runs (see [`comparison::ramp_misfit`]); `None` if none shows it.
-///
-/// [`comparison::ramp_misfit`]: crate::identification::comparison::ramp_misfit
-pub fn ramp_misfit(machine: &Machine, runs: &[Run]) -> Option<f64> {
+/// Returns the misfit of the ramps of a machine over all runs.
+pub fn ramp_misfit(machine: &Machine, runs: &[Run]) -> RampMisfit {
     let windows_of = |run: &Run| {
         let (plan, alignment) = (run.plan(machine), run.by_clock(machine));
-        ramp_misfits(run.toolpath, &plan, machine, &alignment, &compare(run.toolpath, &plan, &alignment))
+        ramp_windows(run.toolpath, &plan, machine, &alignment, &compare(run.toolpath, &plan, &alignment))
     };
-    comparison::ramp_misfit(runs.iter().flat_map(windows_of).collect())
+    RampMisfit::of(&runs.iter().flat_map(windows_of).collect::<Vec<_>>())
 }
 
 /// Fits parameters of a machine to runs, from their initial values, until a step lowers the cost by less than

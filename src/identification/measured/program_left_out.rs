@@ -18,7 +18,7 @@
 //! leaving out, Stone 1974.
 
 use crate::identification::alignment::median;
-use crate::identification::fit::{FreeParameter, NORMAL_MEDIAN_DEVIATION, Run, Whitening, fit, ramp_misfit};
+use crate::identification::fit::{FreeParameter, NORMAL_MEDIAN_DEVIATION, Run, Whitening, fit};
 use crate::machine::{CalibratedOn, Machine};
 use crate::quote::features_of;
 
@@ -42,7 +42,7 @@ pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f
     let errors = left_out(machine, runs, freed, &programs);
     CalibratedOn {
         range: Some(half_range(&errors, programs.len(), usual_error(machine, runs, freed.len()))),
-        ramp_misfit: ramp_misfit(machine, runs),
+        ramp_misfit: machine.calibrated_on.ramp_misfit,
         velocities: velocities(runs),
         assumed_accelerations: machine.calibrated_on.assumed_accelerations,
         least_accelerations: machine.calibrated_on.least_accelerations,

@@ -296,7 +296,7 @@ fn remarks(calibration: &Calibration) -> Vec<String> {
     }
     if let Some(misfit) = calibration.machine.calibrated_on.misfit_of_unknown_law() {
         all.push(format!(
-            "Accelerations within ramps are off by {:.0} % in the median: the control ramps by a law that Truefeed does not have, or the calibration has missed its law. The times of these programs are right, those of other programs may be off by {:.0} %.",
+            "Accelerations within ramps are off by {:.0} % in the median: the control ramps by a law that Truefeed does not have, or the calibration has missed its law. Its accelerations therefore have no standard deviation. The times of these programs are right, those of other programs may be off by {:.0} %.",
             PERCENT * misfit,
             PERCENT * UNKNOWN_LAW_ERROR_RATIO
         ));

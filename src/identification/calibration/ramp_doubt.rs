@@ -1,0 +1,64 @@
+//! The doubt of accelerations that the shape of ramps shows.
+//!
+//! The standard deviation of a fit holds for a control that follows the fitted law exactly. A control that ramps by
+//! another law, or in segments, has no acceleration that the law could have: within its ramps, the simulated acceleration
+//! is off by the misfit m, a relative error (see [`RampMisfit`]). An acceleration a with the standard deviation σ of the
+//! fit is therefore known to
+//!
+//! ```text
+//! √(σ² + (m a)²)
+//! ```
+//!
+//! with the misfit of the ramps of its own axis. If the misfit of all ramps is above [`MAX_RAMP_MISFIT`], the control follows
+//! another law; its accelerations are then no quantities of that control, and have no deviation.
+
+use crate::identification::calibration::Estimate;
+use crate::identification::comparison::RampMisfit;
+use crate::identification::effects::parameters::{AXIS_ACCELERATION, PATH_ACCELERATION};
+use crate::machine::MAX_RAMP_MISFIT;
+
+/// Returns an estimate whose deviation contains the misfit of ramps if it is an acceleration.
+pub fn doubted(estimate: Estimate, misfit: &RampMisfit) -> Estimate {
+    let of_axis = AXIS_ACCELERATION.iter().position(|parameter| parameter.key == estimate.key);
+    if of_axis.is_none() && estimate.key != PATH_ACCELERATION.key {
+        return estimate;
+    }
+    let is_other_law = misfit.of_path.is_some_and(|misfit| MAX_RAMP_MISFIT < misfit);
+    let of_ramps =
+        of_axis.map_or(misfit.of_path, |axis| misfit.of_axes[axis]).unwrap_or(0.0) * estimate.value;
+    let of_fit = estimate.deviation.filter(|_| !is_other_law);
+    Estimate { deviation: of_fit.map(|of_fit| of_fit.hypot(of_ramps)), ..estimate }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::calibration::ParameterVerdict;
+
+    fn deviation_of(key: &str, misfit: RampMisfit) -> Option<f64> {
+        let estimate = Estimate {
+            key: key.to_string(),
+            before: f64::INFINITY,
+            value: 1000.0,
+            deviation: Some(3.0),
+            verdict: ParameterVerdict::Fitted,
+        };
+        doubted(estimate, &misfit).deviation
+    }
+
+    #[test]
+    fn an_acceleration_is_known_no_better_than_the_ramps_of_its_axis() {
+        let misfit = RampMisfit { of_path: Some(0.02), of_axes: [Some(0.004), None, Some(0.06)] };
+        assert_eq!(deviation_of(AXIS_ACCELERATION[0].key, misfit), Some(5.0));
+        assert_eq!(deviation_of(AXIS_ACCELERATION[1].key, misfit), Some(3.0));
+        assert_eq!(deviation_of(PATH_ACCELERATION.key, misfit), Some(3_f64.hypot(20.0)));
+        assert_eq!(deviation_of("axis.x.rapid_mm_min", misfit), Some(3.0));
+    }
+
+    #[test]
+    fn a_control_of_another_law_has_no_known_accelerations() {
+        let misfit = RampMisfit { of_path: Some(1.01 * MAX_RAMP_MISFIT), of_axes: [Some(0.0); 3] };
+        assert_eq!(deviation_of(AXIS_ACCELERATION[0].key, misfit), None);
+        assert_eq!(deviation_of("axis.x.rapid_mm_min", misfit), Some(3.0));
+    }
+}
