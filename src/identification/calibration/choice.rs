@@ -7,33 +7,23 @@
 use crate::identification::calibration::motion::{motion, spindle_ramp};
 use crate::identification::calibration::rapids::{RapidPlateaus, is_limited_as_rapids};
 use crate::identification::calibration::{
-    BETTER_FAMILY, BETTER_STEPS, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, MIN_ORDER_COST_DROP,
-    MIN_ORDER_COST_DROP_RATIO, ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, compared, families,
-    largest_shift, polled, run_fit, set_order, steps, waits, wander, whitened, with_laws,
+    BETTER_STEPS, MIN_CONTRADICTING_COST, MIN_ORDER_COST_DROP, MIN_ORDER_COST_DROP_RATIO,
+    ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, compared, polled, run_fit, set_order, steps, waits,
+    whitened, with_laws,
 };
 use crate::identification::comparison::Comparison;
 use crate::identification::effects::MIN_EXPLAINED_SHARE;
 use crate::identification::effects::parameters::{DWELL_EXCESS, FILTERS, PROGRAM_START};
-use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of, ramp_misfit};
-use crate::machine::{MAX_RAMP_MISFIT, Machine, TimeConstants};
-use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
+use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
+use crate::machine::{Machine, TimeConstants};
 
-/// Least shift of any moment of the runs that distinguishes two planners, s. Simulated planners are not more exact than a
-/// servo period.
-const MIN_DISTINGUISHING_SHIFT_S: f64 = LINUXCNC_SERVO_PERIOD_S;
-/// Least delay of filters that shape ramps, s: the longest usual cycle of a control.
-const MIN_FILTER_DELAY_S: f64 = 4e-3;
-/// Share of the fits of planners in the progress.
-const PLANNERS_SHARE: f64 = 0.4;
-/// Largest number of fits of a planner from beside the values that a fit has found.
-const MAX_RESTARTS: usize = 3;
 /// Initial value of the dwell excess in a fit, s: half the cycle of a 10 ms task.
 const INITIAL_DWELL_EXCESS_S: f64 = 0.005;
 
 /// The common input of all fits of a calibration.
 pub struct Fitting<'a> {
     /// The machine before the calibration.
-    machine: &'a Machine,
+    pub machine: &'a Machine,
     pub runs: &'a [Run<'a>],
     /// The waits to be fitted, each with its value before the calibration.
     waits: Vec<(FreeParameter, f64)>,
@@ -179,13 +169,20 @@ impl<'a> Fitting<'a> {
         all
     }
 
+    /// Returns the fit from a machine of the parameters that its family has. If the fit takes a parameter to its neutral
+    /// value, such as a minimum cruise ratio of 0, the machine no longer has that law, and the others are fitted without it.
     fn fit(&mut self, start: &Machine, order: usize, whitenings: &[Whitening], hardly: f64) -> Fit {
         let parameters = self.parameters(order, start);
-        run_fit(start, self.runs, &parameters, whitenings, hardly, &mut self.share)
+        let found = run_fit(start, self.runs, &parameters, whitenings, hardly, &mut self.share);
+        let remaining = self.parameters(order, &found.machine);
+        if remaining.len() == parameters.len() {
+            return found;
+        }
+        run_fit(&found.machine, self.runs, &remaining, whitenings, hardly, &mut self.share)
     }
 
     /// Returns a fit and its whitenings as [`at_own_noise`] does.
-    fn fit_at_own_noise(&mut self, start: &Machine, order: usize, hardly: f64) -> (Fit, Vec<Whitening>) {
+    pub fn fit_at_own_noise(&mut self, start: &Machine, order: usize, hardly: f64) -> (Fit, Vec<Whitening>) {
         at_own_noise(start, self.runs, |machine, whitenings| self.fit(machine, order, whitenings, hardly))
     }
 
@@ -225,122 +222,11 @@ impl<'a> Fitting<'a> {
         });
     }
 
-    /// Replaces the model by the nearest planner if that is nearer by far; `plain` has the filters without laws.
-    fn try_planners(&mut self, plain: &Machine, model: &mut Model) {
-        let starts = families::guesses(self.machine, plain, self.runs, &model.whitenings, self.plateaus);
-        self.share.part = PLANNERS_SHARE / (starts.len().max(1) * MAX_NOISE_ROUNDS) as f64;
-        let mut of_families: Vec<Model> = Vec::new();
-        for start in &starts {
-            let next = self.planner(start);
-            match of_families.iter_mut().find(|model| is_same_family(model, &next)) {
-                Some(best) if self.is_nearer(&next, best) => *best = next,
-                Some(_) => {}
-                None => of_families.push(next),
-            }
-        }
-        let of_families: Vec<Model> = of_families.into_iter().map(|model| self.restarted(model)).collect();
-        // The times of blocks hardly tell two families apart in a program of few corners; the shape of its ramps may.
-        let (with_its_ramps, others): (Vec<Model>, Vec<Model>) =
-            of_families.into_iter().partition(|model| self.has_recorded_ramps(model));
-        let nearest = match self.nearest_planner(with_its_ramps) {
-            Some(planner) => Some(planner),
-            None => self.nearest_planner(others).map(|planner| self.with_jerk_limit(planner)),
-        };
-        let Some(planner) = nearest else { return };
-        // At the noise of the one that leaves less, or nothing would tell two apart that leave little.
-        let with_filters = cost_of(&model.best.machine, self.runs, &planner.whitenings);
-        // Filters shorter than a cycle of the control shape no ramp, so the control is a planner.
-        let delay = model.best.machine.interpolator.filter_delay(0.0);
-        let most = max_cost(with_filters, MIN_FILTER_DELAY_S <= delay);
-        if planner.best.cost < most && self.can_distinguish(&planner.best.machine, &model.best.machine) {
-            *model = planner;
-        }
-    }
-
-    /// Returns the planner fitted from a start.
-    fn planner(&mut self, start: &Machine) -> Model {
-        let (mut best, mut whitenings) = self.fit_at_own_noise(start, 1, FTOL);
-        // What has no derivative is chosen again where the fit has come to.
-        if let Some(other) = families::chosen_again(&best.machine, self.runs, &whitenings) {
-            (best, whitenings) = self.fit_at_own_noise(&other, 1, FTOL);
-        }
-        Model { best, whitenings, order: 1 }
-    }
-
-    /// Returns the planner fitted from beside its values while that is nearer: corners, accelerations and cruise ratio make up
-    /// for each other, so a fit may end beside the nearest values.
-    fn restarted(&mut self, mut planner: Model) -> Model {
-        for _ in 0..MAX_RESTARTS {
-            let beside = families::beside_minimum(&planner.best.machine, self.runs, &planner.whitenings);
-            let Some(start) = beside else { break };
-            let (best, whitenings) = self.fit_at_own_noise(&start, 1, FTOL);
-            if cost_of(&planner.best.machine, self.runs, &whitenings) <= best.cost {
-                break;
-            }
-            planner = Model { best, whitenings, order: 1 };
-        }
-        planner
-    }
-
-    /// Returns the planner that is nearest to the runs; `None` if there is none.
-    fn nearest_planner(&self, planners: Vec<Model>) -> Option<Model> {
-        planners.into_iter().reduce(|best, next| if self.is_nearer(&next, &best) { next } else { best })
-    }
-
-    /// Returns a planner whose ramps do not have the recorded shape with a jerk limit if that is nearer by far; otherwise
-    /// returns the planner unchanged.
-    fn with_jerk_limit(&mut self, planner: Model) -> Model {
-        let starts = families::with_jerk_limits(&planner.best.machine, self.runs, &planner.whitenings);
-        starts.iter().fold(planner, |planner, start| {
-            let (best, whitenings) = self.fit_at_own_noise(start, 1, FTOL);
-            let limited = self.restarted(Model { best, whitenings, order: 1 });
-            if self.is_nearer(&limited, &planner) { limited } else { planner }
-        })
-    }
-
-    /// Returns `true` if ramps have the recorded shape, or if no run shows it.
-    fn has_recorded_ramps(&self, model: &Model) -> bool {
-        ramp_misfit(&model.best.machine, self.runs).of_path.is_none_or(|misfit| misfit <= MAX_RAMP_MISFIT)
-    }
-
-    /// Returns `true` if a planner is nearer to the runs than an earlier one: by far if both blend corners in time or it has
-    /// more parameters, otherwise so that the runs contradict the earlier one.
-    fn is_nearer(&self, planner: &Model, earlier: &Model) -> bool {
-        let quieter =
-            if wander(&planner.whitenings) < wander(&earlier.whitenings) { planner } else { earlier };
-        let [cost, before] =
-            [planner, earlier].map(|model| cost_of(&model.best.machine, self.runs, &quieter.whitenings));
-        let has_more = earlier.best.values.len() < planner.best.values.len();
-        let blends = planner.best.machine.interpolator.junction.blends_in_time();
-        let most = max_cost(before, has_more || blends && is_same_family(planner, earlier));
-        cost < most && self.can_distinguish(&planner.best.machine, &earlier.best.machine)
-    }
-
-    /// Replaces the model by one with another way to blend corners if the runs contradict the first one. It fits each of
-    /// them, because the accelerations may have made up for a wrong one.
-    fn try_other_blends(&mut self, model: &mut Model) {
-        self.share.part = 0.02;
-        let starts = families::with_other_blends(&model.best.machine);
-        let Some(found) = self.nearest_fit(&starts, model, FTOL) else { return };
-        if found.cost < model.best.cost - MIN_CONTRADICTING_COST
-            && self.can_distinguish(&found.machine, &model.best.machine)
-        {
-            let order = model.order;
-            let (best, whitenings) = self.fit_at_own_noise(&found.machine, order, FTOL);
-            *model = Model { best, whitenings, order };
-        }
-    }
-
     /// Returns the fit of least cost among those that start from these machines, at the order and noise of a model; `None`
     /// if there is no start.
-    fn nearest_fit(&mut self, starts: &[Machine], model: &Model, hardly: f64) -> Option<Fit> {
+    pub fn nearest_fit(&mut self, starts: &[Machine], model: &Model, hardly: f64) -> Option<Fit> {
         let fits = starts.iter().map(|start| self.fit(start, model.order, &model.whitenings, hardly));
         fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
-    }
-
-    /// Returns `true` if the runs can distinguish two planners.
-    fn can_distinguish(&self, one: &Machine, other: &Machine) -> bool {
-        MIN_DISTINGUISHING_SHIFT_S < largest_shift([one, other], self.runs)
     }
 
     /// Fits once more from the accelerations of other axes if that of an axis is unknown, and replaces the model if
@@ -366,57 +252,5 @@ impl<'a> Fitting<'a> {
             let (best, whitenings) = self.fit_at_own_noise(&found.machine, order, ROUGH_COST_TOLERANCE);
             *model = Model { best, whitenings, order };
         }
-    }
-}
-
-/// Returns the largest cost at which a model takes the place of another one, whose cost is `before`: by far, or so that the
-/// runs contradict the other one.
-fn max_cost(before: f64, by_far: bool) -> f64 {
-    if by_far { (1.0 - BETTER_FAMILY) * before } else { before - MIN_CONTRADICTING_COST }
-}
-
-/// Returns `true` if two planners have the same junction law; all ways to blend corners count as one.
-fn is_same_family(one: &Model, other: &Model) -> bool {
-    let [one, other] = [one, other].map(|model| model.best.machine.interpolator.junction);
-    std::mem::discriminant(&one) == std::mem::discriminant(&other)
-        || one.blends_in_time() && other.blends_in_time()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
-    use crate::machine::Planner;
-    use crate::simulation::gcode::read;
-    use crate::simulation::interpreter::trace;
-    use crate::simulation::simulate;
-
-    /// Wide corners, which LinuxCNC rounds the more the larger the override that it plans for.
-    #[test]
-    fn accelerations_do_not_make_up_for_a_wrong_override() {
-        let mut truth = Machine::default();
-        truth.become_planner(Planner::AccelerationBlend, 1560.0);
-        truth.interpolator.max_override = 2.0;
-        let program = format!("G1 F2820\n{}", "X1.5 Y0\nX0 Y-6.543\nX13.212\nY0\n".repeat(6));
-        let toolpath = trace(&read(program.as_bytes()), &truth);
-        let plan = simulate(&toolpath, &truth);
-        let ends = toolpath.ends().map(ProgramPlace::Along).collect();
-        let marks = simulated_marks(&toolpath, &plan, ends, 1e-4);
-        let alignment = Alignment::of_marks(Method::Positions, 0.0..plan.cycle_time(), marks, 400.0);
-        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
-        let mut believed = truth.clone();
-        believed.interpolator.max_override = 1.2;
-        let before = compared(&believed, &runs);
-        let mut progress = |_| {};
-        let (mut fitting, start) = Fitting::new(&believed, &runs, &before, &mut progress);
-        let (best, whitenings) = fitting.fit_at_own_noise(&start, 1, FTOL);
-        let mut model = Model { best, whitenings, order: 1 };
-        let accelerations = |model: &Model| model.best.machine.axes.map(|axis| axis.acceleration);
-        let made_up = accelerations(&model);
-        assert!(made_up[..2].iter().any(|own| 0.02 < (own / 1560.0 - 1.0).abs()), "{made_up:?}");
-        fitting.try_other_blends(&mut model);
-        let found = accelerations(&model);
-        assert!(found[..2].iter().all(|own| (own / 1560.0 - 1.0).abs() < 1e-3), "{found:?}");
-        assert!(1.2 < model.best.machine.interpolator.max_override);
     }
 }

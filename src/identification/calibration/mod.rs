@@ -26,6 +26,7 @@ mod families;
 mod judgement;
 mod laws;
 mod motion;
+mod planners;
 mod ramp_doubt;
 mod rapid_moves;
 mod rapids;

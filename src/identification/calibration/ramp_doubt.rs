@@ -9,7 +9,7 @@
 //! √(σ² + (m a)²)
 //! ```
 //!
-//! with the misfit of the ramps of its own axis. If the misfit of all ramps is above [`MAX_RAMP_MISFIT`], the control follows
+//! with the misfit of the ramps of the same axis. If the misfit of all ramps is above [`MAX_RAMP_MISFIT`], the control follows
 //! another law; its accelerations are then no quantities of that control, and have no deviation.
 
 use crate::identification::calibration::Estimate;

@@ -96,12 +96,21 @@ impl RapidMove {
     /// Returns the shortest window, in samples, over which a velocity that the move holds differs from ramps that meet, and
     /// is known as accurately as velocities on a plateau agree.
     fn window(&self, track: &Track, error: f64) -> usize {
-        let (first, last) = self.samples;
-        let seconds = track.time[last] - track.time[first];
-        let by_ramps = MIN_WINDOW_RATIO * seconds / track.interval;
-        let mean_speed = self.length.norm() / seconds;
-        let by_error = error / (PLATEAU_TOLERANCE_RATIO * mean_speed * track.interval);
-        (by_ramps.max(by_error).ceil() as usize).max(MIN_SAMPLES)
+        let by_ramps = MIN_WINDOW_RATIO * self.seconds(track) / track.interval;
+        (by_ramps.ceil() as usize).max(self.window_of_noise(track, error))
+    }
+
+    /// Returns the shortest window, in samples, over which a velocity is known as accurately as velocities on a plateau
+    /// agree.
+    fn window_of_noise(&self, track: &Track, error: f64) -> usize {
+        let mean_speed = self.length.norm() / self.seconds(track);
+        let window = error / (PLATEAU_TOLERANCE_RATIO * mean_speed * track.interval);
+        (window.ceil() as usize).max(MIN_SAMPLES)
+    }
+
+    /// Returns the time of the move, s.
+    fn seconds(&self, track: &Track) -> f64 {
+        track.time[self.samples.1] - track.time[self.samples.0]
     }
 
     /// Returns the highest velocity of each axis over `window` samples, mm/s.
@@ -109,10 +118,17 @@ impl RapidMove {
         self.velocities(track, window).fold(Vector::zeros(), |fastest, own| fastest.sup(&own))
     }
 
-    /// Returns the highest velocity over `window` samples; `None` if the move has fewer.
-    pub fn peak(&self, track: &Track, window: usize) -> Option<RapidPeak> {
-        let fastest = self.velocities(track, window).max_by(|a, b| a.norm().total_cmp(&b.norm()));
-        fastest.map(|velocity| RapidPeak { velocity, length: self.length })
+    /// Returns the highest velocity; `None` if the move has fewer than `window` samples. It is that over `window` samples if
+    /// the move holds it for so long, otherwise that over the shortest window that noise allows, so that a limit that the
+    /// move reaches for a moment is not averaged with its ramps. `error` is the largest error of a distance between two
+    /// samples, mm.
+    pub fn peak(&self, track: &Track, window: usize, error: f64) -> Option<RapidPeak> {
+        let fastest =
+            |window: usize| self.velocities(track, window).max_by(|a, b| a.norm().total_cmp(&b.norm()));
+        let [long, short] = [window, window.min(self.window_of_noise(track, error))].map(fastest);
+        let (long, short) = long.zip(short)?;
+        let is_held = (1.0 - PLATEAU_TOLERANCE_RATIO) * short.norm() <= long.norm();
+        Some(RapidPeak { velocity: if is_held { long } else { short }, length: self.length })
     }
 
     /// Returns the mean velocity over each `window` samples, each axis without its sign, mm/s.
@@ -139,11 +155,12 @@ pub fn plateau([before, within, after]: [f64; 3]) -> Option<f64> {
 }
 
 /// Returns the velocities (mm/s) of rapids that a limit holds back: for each axis those of rapids mainly in its direction
-/// that reach its highest velocity, to within `tolerance` (mm/s), if it moves along unequal lengths in them.
-pub fn at_limit(peaks: &[RapidPeak], tolerance: f64) -> Vec<Vector> {
+/// that reach its highest velocity, to the part [`PLATEAU_TOLERANCE_RATIO`], if it moves along unequal lengths in them.
+pub fn at_limit(peaks: &[RapidPeak]) -> Vec<Vector> {
     let of = |axis: usize| {
         let along = peaks.iter().filter(|peak| peak.velocity.iamax() == axis);
         let fastest = along.clone().map(|peak| peak.velocity[axis]).fold(0.0, f64::max);
+        let tolerance = PLATEAU_TOLERANCE_RATIO * fastest;
         let reach: Vec<&RapidPeak> =
             along.filter(|peak| fastest - tolerance <= peak.velocity[axis]).collect();
         let lengths = reach.iter().map(|peak| peak.length[axis]);
@@ -227,7 +244,7 @@ mod tests {
             let velocity = Vector::new(*x, 0.0, *z);
             RapidPeak { velocity, length: *seconds * velocity }
         };
-        let limits = at_limit(&peaks.iter().map(peak).collect::<Vec<RapidPeak>>(), 0.05);
+        let limits = at_limit(&peaks.iter().map(peak).collect::<Vec<RapidPeak>>());
         limits.into_iter().map(|velocity| [velocity.x, velocity.z]).collect()
     }
 
@@ -238,6 +255,23 @@ mod tests {
         // In whichever direction the axis moves at its limit.
         let (straight, diagonal) = ([60.0, 0.0], [60.0, 15.0]);
         assert_eq!(limits_of(&[(straight, 0.1), (diagonal, 0.2)]), [straight, diagonal]);
+    }
+
+    #[test]
+    fn a_limit_that_two_rapids_reach_for_a_moment_is_not_averaged_with_their_ramps() {
+        // The second rapid begins in a blend, so that LinuxCNC plans it at half of the acceleration.
+        let ramps = [(1480.0_f64, 0.09), (740.0_f64, 0.166)];
+        let peaks = ramps.map(|(acceleration, seconds)| {
+            let velocity = |time: f64| (acceleration * time.min(seconds - time)).clamp(0.0, 60.0);
+            let (track, rapid) = rapid(seconds, velocity);
+            rapid.peak(&track, 10, 4.0 * std::f64::consts::SQRT_2 * track.noise).expect("samples")
+        });
+        let limits = at_limit(&peaks);
+        assert!(!limits.is_empty());
+        assert!(
+            limits.iter().all(|limit| (limit.z / 60.0 - 1.0).abs() < PLATEAU_TOLERANCE_RATIO),
+            "{limits:?}"
+        );
     }
 
     #[test]

@@ -42,7 +42,7 @@ const MIN_ROWS: usize = 8;
 /// Largest number of rows of a run that are compared.
 const MAX_ROWS: usize = 16_000;
 
-/// The misfit of the ramps of runs, the relative error of their accelerations; `None` where nothing shows it.
+/// The misfit of the ramps of runs, which is the relative error of their accelerations; `None` if no window shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RampMisfit {
     /// Misfit of all ramps.

@@ -97,6 +97,14 @@ impl Whitening {
         }
     }
 
+    /// Returns Σ ln σ² over the innovations, σ being their standard deviations in s. Beside Σ ν², it makes two whitenings
+    /// comparable: −2 ln of the likelihood is their sum, up to a constant.
+    pub fn log_variance(&self) -> f64 {
+        let sections = self.sections.iter().map(|(_, _, scale)| *scale);
+        let scales = self.steps.iter().map(|(_, scale)| *scale).chain(sections);
+        scales.filter(|scale| 0.0 < *scale).map(|scale| -2.0 * scale.ln()).sum()
+    }
+
     /// Returns the normalised innovations of residuals, one per mark, 0 at the first, followed by the
     /// innovations of the sections.
     pub fn apply(&self, residuals: &[f64]) -> Vec<f64> {
@@ -180,6 +188,26 @@ mod tests {
         assert!(lagged.abs() < 0.03, "{lagged}");
         let found = Whitening::of(&alignment, &residuals).process_noise;
         assert!((found / wander - 1.0).abs() < 0.15, "{found}");
+    }
+
+    #[test]
+    fn residuals_are_most_likely_at_their_own_noise() {
+        let (deviation, wander, count) = (5e-4, 4e-3, 5_000);
+        let alignment = alignment(deviation, count);
+        let (mut seed, mut lost) = (11, 0.0);
+        let residuals: Vec<f64> = (0..count)
+            .map(|_| {
+                lost += noise(&mut seed) * wander * 0.1f64.sqrt();
+                lost + noise(&mut seed) * deviation
+            })
+            .collect();
+        let unlikely = |wander: f64| {
+            let whitening = Whitening::new(&alignment, wander).with_sections(&alignment);
+            let squares = whitening.apply(&residuals).iter().map(|own| own * own).sum::<f64>();
+            squares + whitening.log_variance()
+        };
+        let own = unlikely(wander);
+        assert!(own < unlikely(0.7 * wander) && own < unlikely(1.4 * wander));
     }
 
     #[test]

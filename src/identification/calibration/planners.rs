@@ -1,0 +1,257 @@
+//! Runs → the planner that is nearest to them, if a planner is nearer than filters.
+//!
+//! Each family of planners is fitted from its guesses ([`families`]) and then from beside its values. Two models are compared at
+//! the noise of the more likely one. Of the families, one is chosen whose ramps have the recorded shape, if there is one.
+
+use crate::identification::calibration::choice::{Fitting, Model};
+use crate::identification::calibration::{
+    BETTER_FAMILY, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, families, largest_shift,
+};
+use crate::identification::fit::{FTOL, Whitening, cost_of, ramp_misfit};
+use crate::machine::{MAX_RAMP_MISFIT, Machine};
+use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
+
+/// Least shift of any moment of the runs that distinguishes two planners, s. Simulated planners are not more exact than a
+/// servo period.
+const MIN_DISTINGUISHING_SHIFT_S: f64 = LINUXCNC_SERVO_PERIOD_S;
+/// Least delay of filters that shape ramps, s: the longest usual cycle of a control.
+const MIN_FILTER_DELAY_S: f64 = 4e-3;
+/// Share of the fits of planners in the progress.
+const PLANNERS_SHARE: f64 = 0.4;
+/// Largest number of fits of a planner from beside the values that a fit has found.
+const MAX_RESTARTS: usize = 3;
+
+impl Fitting<'_> {
+    /// Replaces the model by the nearest planner if that is nearer by far; `plain` has the filters without laws.
+    pub fn try_planners(&mut self, plain: &Machine, model: &mut Model) {
+        let starts = families::guesses(self.machine, plain, self.runs, &model.whitenings, self.plateaus);
+        self.share.part = PLANNERS_SHARE / (starts.len().max(1) * MAX_NOISE_ROUNDS) as f64;
+        let mut of_families: Vec<Model> = Vec::new();
+        for start in &starts {
+            let next = self.planner(start);
+            match of_families.iter_mut().find(|model| is_same_family(model, &next)) {
+                Some(best) if self.is_nearer(&next, best) => *best = next,
+                Some(_) => {}
+                None => of_families.push(next),
+            }
+        }
+        let of_families: Vec<Model> = of_families.into_iter().map(|model| self.restarted(model)).collect();
+        let Some(planner) = self.chosen_planner(of_families) else { return };
+        let [own, with_filters] = self.costs(&planner, model);
+        // Filters shorter than a cycle of the control shape no ramp, so the control is a planner; neither do filters whose
+        // ramps have another shape.
+        let delay = model.best.machine.interpolator.filter_delay(0.0);
+        let shapes_ramps = MIN_FILTER_DELAY_S <= delay
+            && (self.has_recorded_ramps(model) || !self.has_recorded_ramps(&planner));
+        if own < max_cost(with_filters, shapes_ramps)
+            && self.can_distinguish(&planner.best.machine, &model.best.machine)
+        {
+            *model = planner;
+        }
+    }
+
+    /// Returns the planner fitted from a start.
+    fn planner(&mut self, start: &Machine) -> Model {
+        let (mut best, mut whitenings) = self.fit_at_own_noise(start, 1, FTOL);
+        // What has no derivative is chosen again where the fit has come to.
+        if let Some(other) = families::chosen_again(&best.machine, self.runs, &whitenings) {
+            (best, whitenings) = self.fit_at_own_noise(&other, 1, FTOL);
+        }
+        Model { best, whitenings, order: 1 }
+    }
+
+    /// Returns the planner fitted from beside its values while that is nearer: corners, accelerations and cruise ratio make up
+    /// for each other, so a fit may end beside the nearest values.
+    fn restarted(&mut self, mut planner: Model) -> Model {
+        for _ in 0..MAX_RESTARTS {
+            let start = families::beside_minimum(&planner.best.machine, self.runs, &planner.whitenings);
+            let Some(start) = start else { break };
+            let (best, whitenings) = self.fit_at_own_noise(&start, 1, FTOL);
+            let beside = Model { best, whitenings, order: 1 };
+            let [cost, before] = self.costs(&beside, &planner);
+            if before <= cost {
+                break;
+            }
+            planner = beside;
+        }
+        planner
+    }
+
+    /// Returns the planner of a family whose ramps have the recorded shape, unless another one is nearer by far; `None` if
+    /// there is no family. The times of blocks hardly tell two families apart in a program of few corners; the shape of
+    /// its ramps may.
+    fn chosen_planner(&mut self, of_families: Vec<Model>) -> Option<Model> {
+        let (with_its_ramps, others): (Vec<Model>, Vec<Model>) =
+            of_families.into_iter().partition(|model| self.has_recorded_ramps(model));
+        let [with_its_ramps, other] = [with_its_ramps, others].map(|models| self.nearest_planner(models));
+        match (with_its_ramps, other) {
+            (Some(own), Some(other)) if self.is_nearer_by_far(&other, &own) => {
+                Some(self.with_jerk_limit(other))
+            }
+            (Some(own), _) => Some(own),
+            (None, other) => other.map(|planner| self.with_jerk_limit(planner)),
+        }
+    }
+
+    /// Returns `true` if a planner is nearer to the runs by far than another one, both at its own noise and at that of the
+    /// other.
+    fn is_nearer_by_far(&self, planner: &Model, other: &Model) -> bool {
+        [planner, other].into_iter().all(|at_noise_of| {
+            let [own, before] = [planner, other]
+                .map(|model| cost_of(&model.best.machine, self.runs, &at_noise_of.whitenings));
+            own < max_cost(before, true)
+        })
+    }
+
+    /// Returns the planner that is nearest to the runs; `None` if there is none.
+    fn nearest_planner(&self, planners: Vec<Model>) -> Option<Model> {
+        planners.into_iter().reduce(|best, next| if self.is_nearer(&next, &best) { next } else { best })
+    }
+
+    /// Returns a planner whose ramps do not have the recorded shape with a jerk limit if that is nearer by far; otherwise
+    /// returns the planner unchanged.
+    fn with_jerk_limit(&mut self, planner: Model) -> Model {
+        let starts = families::with_jerk_limits(&planner.best.machine, self.runs, &planner.whitenings);
+        starts.iter().fold(planner, |planner, start| {
+            let (best, whitenings) = self.fit_at_own_noise(start, 1, FTOL);
+            let limited = self.restarted(Model { best, whitenings, order: 1 });
+            if self.is_nearer(&limited, &planner) { limited } else { planner }
+        })
+    }
+
+    /// Returns `true` if ramps have the recorded shape, or if no run shows it.
+    fn has_recorded_ramps(&self, model: &Model) -> bool {
+        ramp_misfit(&model.best.machine, self.runs).of_path.is_none_or(|misfit| misfit <= MAX_RAMP_MISFIT)
+    }
+
+    /// Returns `true` if a planner is nearer to the runs than an earlier one: by far if both blend corners in time or it has
+    /// more parameters, otherwise so that the runs contradict the earlier one.
+    fn is_nearer(&self, planner: &Model, earlier: &Model) -> bool {
+        let [cost, before] = self.costs(planner, earlier);
+        let has_more = earlier.best.values.len() < planner.best.values.len();
+        let blends = planner.best.machine.interpolator.junction.blends_in_time();
+        let most = max_cost(before, has_more || blends && is_same_family(planner, earlier));
+        cost < most && self.can_distinguish(&planner.best.machine, &earlier.best.machine)
+    }
+
+    /// Returns the costs of two models at the noise of the more likely one: at the noise of the other one, hardly anything
+    /// would distinguish two that leave little. The process noise alone does not tell which leaves less, since a model that
+    /// is far off at a few places may have none elsewhere.
+    fn costs(&self, one: &Model, other: &Model) -> [f64; 2] {
+        let unlikely = |model: &Model| {
+            let log_variances = model.whitenings.iter().map(Whitening::log_variance);
+            cost_of(&model.best.machine, self.runs, &model.whitenings) + log_variances.sum::<f64>()
+        };
+        let likely = if unlikely(one) < unlikely(other) { one } else { other };
+        [one, other].map(|model| cost_of(&model.best.machine, self.runs, &likely.whitenings))
+    }
+
+    /// Returns `true` if the runs can distinguish two planners.
+    pub fn can_distinguish(&self, one: &Machine, other: &Machine) -> bool {
+        MIN_DISTINGUISHING_SHIFT_S < largest_shift([one, other], self.runs)
+    }
+
+    /// Replaces the model by one with another way to blend corners if the runs contradict the first one. It fits each of
+    /// them, because the accelerations may have made up for a wrong one.
+    pub fn try_other_blends(&mut self, model: &mut Model) {
+        self.share.part = 0.02;
+        let starts = families::with_other_blends(&model.best.machine);
+        let Some(found) = self.nearest_fit(&starts, model, FTOL) else { return };
+        if found.cost < model.best.cost - MIN_CONTRADICTING_COST
+            && self.can_distinguish(&found.machine, &model.best.machine)
+        {
+            let order = model.order;
+            let (best, whitenings) = self.fit_at_own_noise(&found.machine, order, FTOL);
+            *model = Model { best, whitenings, order };
+        }
+    }
+}
+
+/// Returns the largest cost at which a model takes the place of another one, whose cost is `before`: by far, or so that the
+/// runs contradict the other one.
+fn max_cost(before: f64, by_far: bool) -> f64 {
+    if by_far { (1.0 - BETTER_FAMILY) * before } else { before - MIN_CONTRADICTING_COST }
+}
+
+/// Returns `true` if two planners have the same junction law; all ways to blend corners count as one.
+fn is_same_family(one: &Model, other: &Model) -> bool {
+    let [one, other] = [one, other].map(|model| model.best.machine.interpolator.junction);
+    std::mem::discriminant(&one) == std::mem::discriminant(&other)
+        || one.blends_in_time() && other.blends_in_time()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
+    use crate::identification::calibration::compared;
+    use crate::identification::effects::parameters::MINIMUM_CRUISE_RATIO;
+    use crate::identification::fit::{FreeParameter, Run};
+    use crate::machine::Planner;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::simulate;
+    use crate::simulation::toolpath::Toolpath;
+
+    /// Returns a program with the marks that a machine records on it.
+    fn recorded(program: &str, truth: &Machine) -> (Toolpath, Alignment) {
+        let toolpath = trace(&read(program.as_bytes()), truth);
+        let plan = simulate(&toolpath, truth);
+        let ends = toolpath.ends().map(ProgramPlace::Along).collect();
+        let marks = simulated_marks(&toolpath, &plan, ends, 1e-4);
+        let alignment = Alignment::of_marks(Method::Positions, 0.0..plan.cycle_time(), marks, 400.0);
+        (toolpath, alignment)
+    }
+
+    #[test]
+    fn a_fit_that_takes_a_law_away_goes_on_without_its_parameter() {
+        let mut truth = Machine::default();
+        truth.become_planner(Planner::SquareCorner, 1560.0);
+        truth.interpolator.minimum_cruise_ratio = 0.0;
+        let square = |side: usize| format!("X{side}\nY{side}\nX0\nY0\n");
+        let program = format!("G1 F6000\n{}", (1..=12).map(square).collect::<String>());
+        let (toolpath, alignment) = recorded(&program, &truth);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let mut start = truth.clone();
+        start.interpolator.minimum_cruise_ratio = 0.001;
+        let mut progress = |_| {};
+        let (mut fitting, _) = Fitting::new(&start, &runs, &compared(&start, &runs), &mut progress);
+        let has_ratio = |parameters: &[(FreeParameter, f64)]| {
+            parameters.iter().any(|(freed, _)| freed.handle == MINIMUM_CRUISE_RATIO.handle())
+        };
+        assert!(has_ratio(&fitting.parameters(1, &start)));
+        let (best, _) = fitting.fit_at_own_noise(&start, 1, FTOL);
+        let remaining = fitting.parameters(1, &best.machine);
+        assert!(!has_ratio(&remaining), "{}", best.machine.interpolator.minimum_cruise_ratio);
+        let of_machine = remaining.iter().map(|(freed, _)| freed.handle.get(&best.machine));
+        assert_eq!(
+            of_machine.collect::<Vec<_>>(),
+            best.values.iter().map(|own| Some(*own)).collect::<Vec<_>>()
+        );
+    }
+
+    /// Wide corners, which LinuxCNC rounds the more the larger the override that it plans for.
+    #[test]
+    fn accelerations_do_not_make_up_for_a_wrong_override() {
+        let mut truth = Machine::default();
+        truth.become_planner(Planner::AccelerationBlend, 1560.0);
+        truth.interpolator.max_override = 2.0;
+        let program = format!("G1 F2820\n{}", "X1.5 Y0\nX0 Y-6.543\nX13.212\nY0\n".repeat(6));
+        let (toolpath, alignment) = recorded(&program, &truth);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let mut believed = truth.clone();
+        believed.interpolator.max_override = 1.2;
+        let before = compared(&believed, &runs);
+        let mut progress = |_| {};
+        let (mut fitting, start) = Fitting::new(&believed, &runs, &before, &mut progress);
+        let (best, whitenings) = fitting.fit_at_own_noise(&start, 1, FTOL);
+        let mut model = Model { best, whitenings, order: 1 };
+        let accelerations = |model: &Model| model.best.machine.axes.map(|axis| axis.acceleration);
+        let made_up = accelerations(&model);
+        assert!(made_up[..2].iter().any(|own| 0.02 < (own / 1560.0 - 1.0).abs()), "{made_up:?}");
+        fitting.try_other_blends(&mut model);
+        let found = accelerations(&model);
+        assert!(found[..2].iter().all(|own| (own / 1560.0 - 1.0).abs() < 1e-3), "{found:?}");
+        assert!(1.2 < model.best.machine.interpolator.max_override);
+    }
+}
