@@ -35,6 +35,9 @@ const MAX_TURN_RAD: f64 = 0.05;
 /// Least ratio of the difference that ramps make between two velocities to the tolerance within which the velocities are
 /// equal: moves that begin or end in a blend are not from rest.
 const MIN_RAMP_DIFFERENCE_RATIO: f64 = 10.0;
+/// Least part of the distance of a rapid that its samples cover. A few samples at one of its ends are too short for ramps
+/// to show.
+const MIN_COVERED_RATIO: f64 = 0.5;
 
 /// A rapid of a recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,8 +64,9 @@ impl RapidPeak {
     }
 }
 
-/// Returns the rapids of a run whose samples have no gap. `segment` returns the segment on which a fix is.
-pub fn rapid_moves(run: &Run, segment: impl Fn(&Fix) -> usize) -> Vec<RapidMove> {
+/// Returns the rapids of a run whose samples have no gap and cover most of it. `segment` returns the segment on which a fix
+/// is.
+pub fn rapid_moves(run: &Run, track: &Track, segment: impl Fn(&Fix) -> usize) -> Vec<RapidMove> {
     let segments = &run.toolpath.segments;
     let mut moves: Vec<RapidMove> = Vec::new();
     let mut of_last = None;
@@ -80,6 +84,7 @@ pub fn rapid_moves(run: &Run, segment: impl Fn(&Fix) -> usize) -> Vec<RapidMove>
         }
         of_last = Some(index);
     }
+    moves.retain(|own| own.is_covered(track));
     moves
 }
 
@@ -106,6 +111,13 @@ impl RapidMove {
         let mean_speed = self.length.norm() / self.seconds(track);
         let window = error / (PLATEAU_TOLERANCE_RATIO * mean_speed * track.interval);
         (window.ceil() as usize).max(MIN_SAMPLES)
+    }
+
+    /// Returns `true` if the samples cover most of the move.
+    fn is_covered(&self, track: &Track) -> bool {
+        let (first, last) = self.samples;
+        let covered = (track.position[last] - track.position[first]).norm();
+        MIN_COVERED_RATIO * self.length.norm() <= covered
     }
 
     /// Returns the time of the move, s.
@@ -237,6 +249,15 @@ mod tests {
         }
         // A few samples have no windows.
         assert!(!holds_a_velocity(&rapid(0.004, |_| 62.0)));
+    }
+
+    /// grbl runs segments of 10 ms at constant velocity.
+    #[test]
+    fn a_few_samples_of_a_rapid_are_none() {
+        let (track, rapid) = rapid(0.2, |time| 300.0 * time.min(0.2 - time));
+        assert!(rapid.is_covered(&track));
+        let beginning = RapidMove { samples: (0, 6), ..rapid };
+        assert!(!beginning.is_covered(&track));
     }
 
     fn limits_of(peaks: &[([f64; 2], f64)]) -> Vec<[f64; 2]> {

@@ -129,7 +129,7 @@ impl RapidPlateaus {
         self.take_fastest(run, window);
         let segment = |fix: &Fix| segment_of(fix, &distances);
         let ratio = run.overrides.1.filter(|ratio| 0.0 < *ratio).unwrap_or(1.0);
-        for rapid in rapid_moves(run, segment) {
+        for rapid in rapid_moves(run, track, segment) {
             for held in rapid.held(track, largest_error(track)) {
                 rapids.held = rapids.held.sup(&held);
                 rapids.at_full_rate.push(held / ratio);

@@ -30,6 +30,8 @@ const PRIOR_WEIGHT: f64 = 4.0;
 const MIN_USUAL_ERROR_RATIO: f64 = 0.002;
 /// Number of sections of a run, equally long in time, beyond one for each fitted parameter: as many remain free.
 const FREE_SECTIONS: usize = 8;
+/// Largest half of the range that a file states, as a part of the time: with a larger one, nothing is known of the time.
+const MAX_HALF_RANGE: f64 = 1.0;
 /// Quantile of the normal distribution below which 95 % lie.
 const NORMAL_QUANTILE_95: f64 = 1.645;
 /// Relative cost decrease below which a step is the last.
@@ -161,7 +163,8 @@ fn half_range(errors: &[f64], programs: usize, usual: f64) -> f64 {
     let squares: f64 = errors.iter().map(|error| error * error).sum();
     let freedom = PRIOR_WEIGHT + errors.len() as f64;
     let size = ((PRIOR_WEIGHT * usual * usual + squares) / freedom).sqrt();
-    student_95(freedom) * size * (1.0 + 1.0 / programs.max(1) as f64).sqrt()
+    let half = student_95(freedom) * size * (1.0 + 1.0 / programs.max(1) as f64).sqrt();
+    half.min(MAX_HALF_RANGE)
 }
 
 /// Returns the quantile of Student's distribution below which 95 % lie, to a hundredth from four degrees of
@@ -185,6 +188,12 @@ mod tests {
         for (freedom, tabled) in [(4.0, 2.132), (7.0, 1.895), (12.0, 1.782), (60.0, 1.671)] {
             assert!((student_95(freedom) / tabled - 1.0).abs() < 0.01, "{freedom}");
         }
+    }
+
+    #[test]
+    fn a_range_is_never_wider_than_the_time() {
+        let halves = [0.01, 0.1, 5.0].map(|error| half_range(&[error; 4], 1, error));
+        assert!(halves[0] < halves[1] && halves[1] < halves[2] && halves[2] == MAX_HALF_RANGE, "{halves:?}");
     }
 
     /// A run that is by turns 1 % slower and 1 % faster than simulated, section by section.
