@@ -20,6 +20,7 @@
 
 use crate::identification::alignment::{Fix, Track};
 use crate::identification::fit::Run;
+use crate::machine::KLIPPER_MIN_CRUISE_RATIO;
 use crate::simulation::toolpath::{Motion, Vector};
 
 /// Largest change of the velocity on a plateau, as a part of it.
@@ -35,6 +36,8 @@ const MAX_TURN_RAD: f64 = 0.05;
 /// Least ratio of the difference that ramps make between two velocities to the tolerance within which the velocities are
 /// equal: moves that begin or end in a blend are not from rest.
 const MIN_RAMP_DIFFERENCE_RATIO: f64 = 10.0;
+/// Largest usual minimum cruise ratio, with a tenth for the windows that reach into the ramps: Klipper's default is 0.5.
+const MAX_CRUISE_RATIO: f64 = 1.1 * KLIPPER_MIN_CRUISE_RATIO;
 /// Least part of the distance of a rapid that its samples cover. A few samples at one of its ends are too short for ramps
 /// to show.
 const MIN_COVERED_RATIO: f64 = 0.5;
@@ -96,6 +99,16 @@ impl RapidMove {
         let window = self.window(track, error);
         let begins = first..(last + 1).saturating_sub(window.saturating_mul(3));
         begins.filter_map(move |begin| steady(track.successive_velocities(begin, window)))
+    }
+
+    /// Returns `true` if the move is at the velocities that it holds (mm/s) for a larger part of its length than any usual
+    /// minimum cruise ratio. `error` is as for [`RapidMove::held`].
+    pub fn exceeds_cruise_ratio(&self, track: &Track, held: &[Vector], error: f64) -> bool {
+        let fastest = held.iter().map(Vector::norm).fold(0.0, f64::max);
+        let windows =
+            held.iter().filter(|held| (1.0 - PLATEAU_TOLERANCE_RATIO) * fastest <= held.norm()).count();
+        let samples = windows + 3 * self.window(track, error);
+        MAX_CRUISE_RATIO * self.length.norm() < samples as f64 * track.interval * fastest
     }
 
     /// Returns the shortest window, in samples, over which a velocity that the move holds differs from ramps that meet, and
@@ -249,6 +262,21 @@ mod tests {
         }
         // A few samples have no windows.
         assert!(!holds_a_velocity(&rapid(0.004, |_| 62.0)));
+    }
+
+    /// Klipper holds the velocity of a move for half of its length, however short the move is.
+    #[test]
+    fn a_velocity_held_for_half_of_a_move_may_be_no_limit() {
+        let exceeds = |velocity: f64, seconds: f64| {
+            let (track, rapid) = rapid(seconds, |time| (730.0 * time.min(seconds - time)).min(velocity));
+            let error = 4.0 * std::f64::consts::SQRT_2 * track.noise;
+            let held: Vec<Vector> = rapid.held(&track, error).collect();
+            assert!(!held.is_empty());
+            rapid.exceeds_cruise_ratio(&track, &held, error)
+        };
+        // Of a ramp for v/A at either end, half of the length is cruised in the same time.
+        assert!(!exceeds(62.0, 3.0 * 62.0 / 730.0));
+        assert!(exceeds(62.0, 5.0 * 62.0 / 730.0));
     }
 
     /// grbl runs segments of 10 ms at constant velocity.

@@ -42,8 +42,8 @@ pub struct RapidPlateaus {
     pub reached: [ReachedVelocity; 3],
     /// Velocity of each axis.
     pub axes: [Option<f64>; 3],
-    /// `true` for each axis whose velocity is a limit only if axes are alike: in each diagonal that shows it, another
-    /// axis may have held it back.
+    /// `true` for each axis whose velocity may be no limit: in each diagonal that shows it, another axis may have held it
+    /// back, unless axes are alike; or rapids of one length hold it so briefly that a minimum cruise ratio may be the reason.
     pub guessed_axes: [bool; 3],
     /// Velocity of each axis on lines that are cut: first on lines where the axis was held back below its
     /// programmed velocity, then on all others.
@@ -76,6 +76,8 @@ pub struct ReachedVelocity {
 struct RapidVelocities {
     /// Velocities on plateaus, without the rapid override.
     at_full_rate: Vec<Vector>,
+    /// Highest velocity of each axis that no minimum cruise ratio explains, without the rapid override.
+    limited: Vector,
     /// Highest velocity of each axis on a plateau.
     held: Vector,
     /// Highest velocity of each axis in each rapid.
@@ -111,9 +113,16 @@ impl RapidPlateaus {
         let count = with_positions.clone().map(|run| seen.take(run, &mut rapids)).count();
         let tracks = with_positions.filter_map(|run| run.alignment.track.as_ref());
         let error = tracks.map(|track| largest_error(track)).fold(0.0, f64::max) / WINDOW_S;
-        rapids.at_full_rate.extend(at_limit(&rapids.peaks));
+        for velocity in at_limit(&rapids.peaks) {
+            rapids.at_full_rate.push(velocity);
+            rapids.limited = rapids.limited.sup(&velocity);
+        }
         seen.path = rapids.at_full_rate.iter().map(Vector::norm).reduce(f64::max);
         (seen.axes, seen.guessed_axes) = rates(&rapids.at_full_rate);
+        for (axis, guessed) in seen.guessed_axes.iter_mut().enumerate() {
+            let is_limited = |rate: f64| (1.0 - PLATEAU_TOLERANCE_RATIO) * rate <= rapids.limited[axis];
+            *guessed |= !seen.axes[axis].is_none_or(is_limited);
+        }
         seen.reached = [0, 1, 2].map(|axis| {
             let fastest_of_each = rapids.fastest.iter().map(|fastest| fastest[axis]).collect();
             ReachedVelocity::of(fastest_of_each, error, rapids.held[axis])
@@ -130,9 +139,14 @@ impl RapidPlateaus {
         let segment = |fix: &Fix| segment_of(fix, &distances);
         let ratio = run.overrides.1.filter(|ratio| 0.0 < *ratio).unwrap_or(1.0);
         for rapid in rapid_moves(run, track, segment) {
-            for held in rapid.held(track, largest_error(track)) {
+            let held: Vec<Vector> = rapid.held(track, largest_error(track)).collect();
+            let exceeds_cruise_ratio = rapid.exceeds_cruise_ratio(track, &held, largest_error(track));
+            for held in held {
                 rapids.held = rapids.held.sup(&held);
                 rapids.at_full_rate.push(held / ratio);
+                if exceeds_cruise_ratio {
+                    rapids.limited = rapids.limited.sup(&(held / ratio));
+                }
             }
             rapids
                 .peaks
