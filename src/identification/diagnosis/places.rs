@@ -3,8 +3,8 @@
 //! An override acts on the feed moves from one place of the path to another, wherever the operator turned the switch.
 //! Let g be the change of the residual between marks by an override on all lines, and δ the observed change. Then
 //! β = Σ δ g / Σ g² over a range explains (Σ δ g)² / Σ g² of Σ δ². The range that explains most is found from prefix
-//! sums over at most [`BINS`] parts. The same sums over whitened residuals decide whether that range explains enough
-//! more than the whole program.
+//! sums over at most [`BINS`] parts. Its edges and ratio are then fitted, and the override counts only if it lowers the cost
+//! by enough more than one on all lines.
 //!
 //! Waits before lines are placed at the longest rests of the recorded machine between two long blocks, and a feed
 //! hold at the dip of its feedrate.
@@ -17,7 +17,7 @@ use crate::identification::effects::{
     FEED_OVERRIDE, FROM_DISTANCE, FROM_LINE, Hypothesis, RATIO, TO_DISTANCE, TO_LINE, parameters,
 };
 use crate::identification::fit::{Run, golden_section};
-use crate::machine::Machine;
+use crate::machine::{Machine, Overrides};
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::Motion;
 
@@ -27,11 +27,8 @@ const BINS: usize = 300;
 const TRIED: f64 = 0.97;
 /// Golden sections in the search of the ratio of an override.
 const RATIO_SECTIONS: usize = 14;
-/// Most standard deviations of noise that count in the lost time at a mark, beside [`MAX_SLOWING`]: a larger lost time
-/// is a wait.
-const MAX_NOISE: f64 = 20.0;
-/// Largest lost time at a mark that counts as slowing, as a multiple of the simulated time: that of an override of
-/// 1/(1 + `MAX_SLOWING`).
+/// Largest lost time of a part that counts as slowing, as a multiple of the simulated time: that of an override of
+/// 1/(1 + `MAX_SLOWING`). A larger one is a wait.
 const MAX_SLOWING: f64 = 4.0;
 /// Fewest parts of a run that an override lasts.
 const MIN_PARTS: usize = 3;
@@ -70,7 +67,6 @@ pub fn hypotheses(machine: &Machine, runs: &[Run], evidence: &Evidence, is_open:
 fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<Hypothesis> {
     let mut other = machine.clone();
     other.overrides.feed *= TRIED;
-    let whitening = evidence.whitenings.first()?;
     let now = run.residuals(machine);
     let changed = run.residuals(&other);
     // What an override that doubles the time would lose.
@@ -80,29 +76,39 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     let part = now.len().div_ceil(BINS).max(1);
     let bins = now.len().div_ceil(part);
     let end = |bin: usize| (bin * part).min(marks.len() - 1);
-    // Whitened residuals remember what was lost before, so they tell whether there is an override, and not where.
+    // Whitened residuals remember what was lost before, so they do not show where.
     let lost = |of: &[f64], bin: usize| of[end(bin + 1)] - of[end(bin)];
-    let by_part = Explained::of((0..bins).map(|bin| (lost(&now, bin), lost(&change, bin))), 0.0);
+    let by_part = Explained::of((0..bins).map(|bin| (lost(&now, bin), lost(&change, bin))));
     let (from, to) = by_part.best_range();
-    let whitened = whitening.apply(&now).into_iter().zip(whitening.apply(&change));
-    let by_mark = Explained::of(whitened, MAX_NOISE);
-    let (whole, found) = (by_mark.part(0, now.len()), by_mark.part(end(from), end(to) + 1));
-    // The best of so many ranges explains 2 ln of their number by chance.
-    let by_chance = 2.0 * (0.5 * (bins * bins) as f64).max(1.0).ln();
-    let is_worth_a_range = WORTH_A_RANGE * whole <= found && whole + MIN_COST_REDUCTION + by_chance <= found;
+    let is_worth_a_range = WORTH_A_RANGE * by_part.part(0, bins) <= by_part.part(from, to);
     if !is_worth_a_range || marks[end(to)].time - marks[end(from)].time < SHORTEST_OVERRIDE {
         return None;
     }
-    let guess = (1.0 / (1.0 + by_part.slope(from, to))).clamp(0.05, 2.0) * machine.overrides.feed;
+    let guess = |from: usize, to: usize| {
+        (1.0 / (1.0 + by_part.slope(from, to))).clamp(0.05, 2.0) * machine.overrides.feed
+    };
     let distances = run.toolpath.distances();
     let ends: Vec<f64> =
         (0..=bins).map(|bin| marks[end(bin)].place.distance(run.toolpath, &distances)).collect();
     let mut span = OverrideSpan { from: (from != 0).then(|| ends[from]), to: (to != bins).then(|| ends[to]) };
+    let cost = |ratio: f64, span: (f64, f64)| evidence.cost(&overridden(machine, ratio, span));
+    let (without, mut ratio) = (evidence.cost(machine), guess(from, to));
+    if without <= cost(ratio, span.of_path()) {
+        return None;
+    }
     // Ratio and edges lean on each other: one after the other, a few times.
-    let mut ratio = guess;
     for _ in 0..EDGE_ROUNDS {
         span = span.fitted(machine, evidence, ratio, &ends);
         ratio = best_ratio(machine, evidence, ratio, span.of_path());
+    }
+    let everywhere = best_ratio(machine, evidence, guess(0, bins), Overrides::WHOLE_PATH_BOUNDS_MM);
+    let explained = |ratio: f64, span: (f64, f64)| without - cost(ratio, span);
+    let (found, whole) =
+        (explained(ratio, span.of_path()), explained(everywhere, Overrides::WHOLE_PATH_BOUNDS_MM).max(0.0));
+    // The best of so many ranges explains 2 ln of their number by chance.
+    let by_chance = 2.0 * (0.5 * (bins * bins) as f64).max(1.0).ln();
+    if found < (WORTH_A_RANGE * whole).max(whole + MIN_COST_REDUCTION + by_chance) {
+        return None;
     }
     span = span.as_shown(run, &distances);
     let of_path = span.of_path();
@@ -126,12 +132,12 @@ struct Explained {
 }
 
 impl Explained {
-    /// Sums pairs (δ, g). The size of each δ counts up to `noise` + [`MAX_SLOWING`] |g|, since a larger one is a wait.
-    fn of(pairs: impl Iterator<Item = (f64, f64)>, noise: f64) -> Explained {
+    /// Sums pairs (δ, g). The size of each δ counts up to [`MAX_SLOWING`] |g|.
+    fn of(pairs: impl Iterator<Item = (f64, f64)>) -> Explained {
         let mut sums = vec![(0.0, 0.0)];
         for (observed, change) in pairs {
             let (both, own) = sums[sums.len() - 1];
-            let most = noise + MAX_SLOWING * change.abs();
+            let most = MAX_SLOWING * change.abs();
             sums.push((both + observed.clamp(-most, most) * change, own + change * change));
         }
         Explained { sums }
@@ -237,4 +243,49 @@ fn line_at(run: &Run, distance: f64, distances: &[f64]) -> u32 {
     let begun = distances.partition_point(|begin| *begin <= distance);
     let last = segments.len().checked_sub(1);
     last.map_or(0, |last| segments.at(begun.saturating_sub(1).min(last)).line.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
+    use crate::machine::Planner;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::simulate;
+
+    /// Holes, each cut in many marks, as positions show them.
+    fn drilling() -> String {
+        let hole = |at: u32| {
+            let depths: String =
+                (1..=15).map(|part| format!("G1 Z-{} F210\n", 0.1 * f64::from(part))).collect();
+            format!("G0 X{} Z2\n{depths}G0 Z11\n", 11 * at)
+        };
+        (0..12).map(hole).collect()
+    }
+
+    fn range_found(truth: impl Fn(&Machine) -> Machine) -> Option<Hypothesis> {
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::SquareCorner, 1990.0);
+        let toolpath = trace(&read(drilling().as_bytes()), &machine);
+        let plan = simulate(&toolpath, &truth(&machine));
+        let ends = toolpath.ends().map(ProgramPlace::Along).collect();
+        let marks = simulated_marks(&toolpath, &plan, ends, 1e-4);
+        let alignment = Alignment::of_marks(Method::Positions, 0.0..plan.cycle_time(), marks, 400.0);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        override_range(&machine, &runs[0], &Evidence::of(&runs, &machine))
+    }
+
+    /// Most marks leave no process noise, so whitened residuals hardly forget what was lost.
+    #[test]
+    fn an_override_on_some_lines_is_found_where_most_marks_are_exact() {
+        let found = range_found(|machine| overridden(machine, 0.53, (250.0, 300.0)));
+        assert!(found.is_some());
+    }
+
+    #[test]
+    fn an_override_on_all_lines_is_none_on_some() {
+        assert!(range_found(|machine| overridden(machine, 0.53, Overrides::WHOLE_PATH_BOUNDS_MM)).is_none());
+        assert!(range_found(Machine::clone).is_none());
+    }
 }
