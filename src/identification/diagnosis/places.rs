@@ -110,10 +110,14 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     if found < (WORTH_A_RANGE * whole).max(whole + MIN_COST_REDUCTION + by_chance) {
         return None;
     }
-    span = span.as_shown(run, &distances);
+    Some(overridden_between(run, ratio, span.as_shown(run, &distances), &distances))
+}
+
+/// Returns the hypothesis of an override ratio on the lines of a span; `distances` are those of the toolpath, mm.
+fn overridden_between(run: &Run, ratio: f64, span: OverrideSpan, distances: &[f64]) -> Hypothesis {
     let of_path = span.of_path();
     let freed = parameters::FEED_OVERRIDE.tried().also(move |machine| machine.overrides.span = of_path);
-    let line_of = |distance: f64| f64::from(line_at(run, distance, &distances));
+    let line_of = |distance: f64| f64::from(line_at(run, distance, distances));
     let edges = [(span.from, FROM_DISTANCE, FROM_LINE), (span.to, TO_DISTANCE, TO_LINE)];
     let known = edges.into_iter().filter_map(|(edge, distance, line)| {
         let at = edge?;
@@ -122,7 +126,7 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     let known: Vec<_> = known.flatten().collect();
     let report = move |ratio| [RATIO.number(ratio)].into_iter().chain(known.clone()).collect();
     let trials = [0.9, 0.97, 1.0, 1.03, 1.1].iter().map(|part| part * ratio).collect();
-    Some(Hypothesis::single(FEED_OVERRIDE, freed, trials, report).variant("on some lines"))
+    Hypothesis::single(FEED_OVERRIDE, freed, trials, report).variant("on some lines")
 }
 
 /// Observed lost time that an override explains: prefix sums Σ δ g and Σ g² of observed changes δ and of changes g by
