@@ -8,7 +8,7 @@ use crate::identification::calibration::{
     BETTER_FAMILY, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, families, largest_shift,
 };
 use crate::identification::fit::{FTOL, Whitening, cost_of, ramp_misfit};
-use crate::machine::{MAX_RAMP_MISFIT, Machine};
+use crate::machine::Machine;
 use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 
 /// Least shift of any moment of the runs that distinguishes two planners, s. Simulated planners are not more exact than a
@@ -93,12 +93,10 @@ impl Fitting<'_> {
         }
     }
 
-    /// Returns `true` if a planner is nearer to the runs by far than another one, both at its own noise and at that of the
-    /// other.
+    /// Returns `true` if a planner is by far the nearer of two, both at its own noise and at the noise of the other one.
     fn is_nearer_by_far(&self, planner: &Model, other: &Model) -> bool {
         [planner, other].into_iter().all(|at_noise_of| {
-            let [own, before] = [planner, other]
-                .map(|model| cost_of(&model.best.machine, self.runs, &at_noise_of.whitenings));
+            let [own, before] = self.costs_at_noise_of(at_noise_of, [planner, other]);
             own < max_cost(before, true)
         })
     }
@@ -121,7 +119,7 @@ impl Fitting<'_> {
 
     /// Returns `true` if ramps have the recorded shape, or if no run shows it.
     fn has_recorded_ramps(&self, model: &Model) -> bool {
-        ramp_misfit(&model.best.machine, self.runs).of_path.is_none_or(|misfit| misfit <= MAX_RAMP_MISFIT)
+        ramp_misfit(&model.best.machine, self.runs).is_of_law()
     }
 
     /// Returns `true` if a planner is nearer to the runs than an earlier one: by far if both blend corners in time or it has
@@ -143,7 +141,12 @@ impl Fitting<'_> {
             cost_of(&model.best.machine, self.runs, &model.whitenings) + log_variances.sum::<f64>()
         };
         let likely = if unlikely(one) < unlikely(other) { one } else { other };
-        [one, other].map(|model| cost_of(&model.best.machine, self.runs, &likely.whitenings))
+        self.costs_at_noise_of(likely, [one, other])
+    }
+
+    /// Returns the costs of two models at the noise of a model.
+    fn costs_at_noise_of(&self, noisy: &Model, models: [&Model; 2]) -> [f64; 2] {
+        models.map(|model| cost_of(&model.best.machine, self.runs, &noisy.whitenings))
     }
 
     /// Returns `true` if the runs can distinguish two planners.

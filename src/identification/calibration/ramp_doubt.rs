@@ -9,13 +9,12 @@
 //! √(σ² + (m a)²)
 //! ```
 //!
-//! with the misfit of the ramps of the same axis. If the misfit of all ramps is above [`MAX_RAMP_MISFIT`], the control follows
+//! with the misfit of the ramps of the same axis. If the misfit of all ramps is above [`MAX_RAMP_MISFIT`](crate::machine::MAX_RAMP_MISFIT), the control follows
 //! another law; its accelerations are then no quantities of that control, and have no deviation.
 
 use crate::identification::calibration::Estimate;
 use crate::identification::comparison::RampMisfit;
 use crate::identification::effects::parameters::{AXIS_ACCELERATION, PATH_ACCELERATION};
-use crate::machine::MAX_RAMP_MISFIT;
 
 /// Returns an estimate whose deviation contains the misfit of ramps if it is an acceleration.
 pub fn doubted(estimate: Estimate, misfit: &RampMisfit) -> Estimate {
@@ -23,10 +22,9 @@ pub fn doubted(estimate: Estimate, misfit: &RampMisfit) -> Estimate {
     if of_axis.is_none() && estimate.key != PATH_ACCELERATION.key {
         return estimate;
     }
-    let is_other_law = misfit.of_path.is_some_and(|misfit| MAX_RAMP_MISFIT < misfit);
     let of_ramps =
         of_axis.map_or(misfit.of_path, |axis| misfit.of_axes[axis]).unwrap_or(0.0) * estimate.value;
-    let of_fit = estimate.deviation.filter(|_| !is_other_law);
+    let of_fit = estimate.deviation.filter(|_| misfit.is_of_law());
     Estimate { deviation: of_fit.map(|of_fit| of_fit.hypot(of_ramps)), ..estimate }
 }
 
@@ -34,6 +32,7 @@ pub fn doubted(estimate: Estimate, misfit: &RampMisfit) -> Estimate {
 mod tests {
     use super::*;
     use crate::identification::calibration::ParameterVerdict;
+    use crate::machine::MAX_RAMP_MISFIT;
 
     fn deviation_of(key: &str, misfit: RampMisfit) -> Option<f64> {
         let estimate = Estimate {

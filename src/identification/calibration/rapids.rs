@@ -133,14 +133,15 @@ impl RapidPlateaus {
     /// Adds the plateaus of a run, to `rapids` the velocities of its rapids.
     fn take(&mut self, run: &Run, rapids: &mut RapidVelocities) {
         let (Some(track), segments) = (&run.alignment.track, &run.toolpath.segments) else { return };
+        let error = largest_error(track);
         let window = ((WINDOW_S / track.interval).ceil() as usize).max(MIN_SAMPLES);
         let distances = run.toolpath.distances();
         self.take_fastest(run, window);
         let segment = |fix: &Fix| segment_of(fix, &distances);
         let ratio = run.overrides.1.filter(|ratio| 0.0 < *ratio).unwrap_or(1.0);
         for rapid in rapid_moves(run, track, segment) {
-            let held: Vec<Vector> = rapid.held(track, largest_error(track)).collect();
-            let exceeds_cruise_ratio = rapid.exceeds_cruise_ratio(track, &held, largest_error(track));
+            let held: Vec<Vector> = rapid.held(track, error).collect();
+            let exceeds_cruise_ratio = rapid.exceeds_cruise_ratio(track, &held, error);
             for held in held {
                 rapids.held = rapids.held.sup(&held);
                 rapids.at_full_rate.push(held / ratio);
@@ -148,9 +149,7 @@ impl RapidPlateaus {
                     rapids.limited = rapids.limited.sup(&(held / ratio));
                 }
             }
-            rapids
-                .peaks
-                .extend(rapid.peak(track, window, largest_error(track)).map(|peak| peak.at_full_rate(ratio)));
+            rapids.peaks.extend(rapid.peak(track, window, error).map(|peak| peak.at_full_rate(ratio)));
             rapids.fastest.push(rapid.fastest(track, window));
         }
         for fixes in run.alignment.fixes.windows(3 * window + 1).step_by(window.div_ceil(2)) {
@@ -162,8 +161,9 @@ impl RapidPlateaus {
                 && segments.motion(index) != Motion::Rapid
                 && *segments.curve(index) == Curve::Line;
             if is_one && is_cut {
-                let error = largest_error(track) / (window as f64 * track.interval);
-                self.add_cut(track.successive_velocities(first, window), &segments.at(index), error);
+                let velocity_error = error / (window as f64 * track.interval);
+                let velocities = track.successive_velocities(first, window);
+                self.add_cut(velocities, &segments.at(index), velocity_error);
             }
         }
     }

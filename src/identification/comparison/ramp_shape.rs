@@ -26,7 +26,7 @@
 use crate::identification::alignment::Alignment;
 use crate::identification::comparison::Comparison;
 use crate::identification::comparison::contour_deviation::{PositionDifference, SimulatedClock};
-use crate::machine::Machine;
+use crate::machine::{MAX_RAMP_MISFIT, Machine};
 use crate::simulation::drive::AxisMotion;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::ordered::weighted_median;
@@ -62,6 +62,11 @@ impl RampMisfit {
             of_path: median(&|_| 1.0),
             of_axes: [0, 1, 2].map(|axis| median(&|window| window.of_axes[axis])),
         }
+    }
+
+    /// Returns `true` if ramps have the recorded shape, or if no window shows it.
+    pub fn is_of_law(&self) -> bool {
+        self.of_path.is_none_or(|misfit| misfit <= MAX_RAMP_MISFIT)
     }
 }
 
@@ -171,7 +176,6 @@ fn squares_about_line(x: &[f64], y: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::MAX_RAMP_MISFIT;
 
     /// Distance (mm) and velocity (mm/s) at a time (s) of a ramp from 0 to 50 mm/s around 0.
     type Ramp = fn(time: f64, duration: f64) -> (f64, f64);

@@ -108,9 +108,9 @@ pub fn is_other_family(start: &Machine, with_causes: &Machine) -> bool {
     start.has_filters() != with_causes.has_filters()
 }
 
-/// Returns the message that the law of the machine file is not that of the control: recorded ramps have another shape, so
-/// that parameters of the law have no meaning, or causes make another control of a checked machine file
-/// ([`is_other_family`]). `None` if nothing speaks against the law.
+/// Returns a message if the control does not follow the law of the machine file; `None` if nothing shows that. Either the
+/// recorded ramps have another shape, or the causes turn a checked machine file into a control of another family
+/// ([`is_other_family`]).
 pub fn doubt_of_law(start: &Machine, with_causes: &Machine) -> Option<&'static str> {
     let is_unknown = start.calibrated_on.misfit_of_unknown_law().is_some();
     let is_checked = Standing::of(start) != Standing::Unchecked;

@@ -27,8 +27,8 @@ const BINS: usize = 300;
 const TRIED: f64 = 0.97;
 /// Golden sections in the search of the ratio of an override.
 const RATIO_SECTIONS: usize = 14;
-/// Largest lost time of a part that counts as slowing, as a multiple of the simulated time: that of an override of
-/// 1/(1 + `MAX_SLOWING`). A larger one is a wait.
+/// Largest lost time of a part by an override, as a multiple of the simulated time: the override is 1/(1 + `MAX_SLOWING`).
+/// A part that loses more contains a wait.
 const MAX_SLOWING: f64 = 4.0;
 /// Fewest parts of a run that an override lasts.
 const MIN_PARTS: usize = 3;
@@ -105,7 +105,7 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     let explained = |ratio: f64, span: (f64, f64)| without - cost(ratio, span);
     let (found, whole) =
         (explained(ratio, span.of_path()), explained(everywhere, Overrides::WHOLE_PATH_BOUNDS_MM).max(0.0));
-    // The best of so many ranges explains 2 ln of their number by chance.
+    // By chance, the best of n ranges lowers the cost by 2 ln n.
     let by_chance = 2.0 * (0.5 * (bins * bins) as f64).max(1.0).ln();
     if found < (WORTH_A_RANGE * whole).max(whole + MIN_COST_REDUCTION + by_chance) {
         return None;
@@ -113,7 +113,7 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     Some(overridden_between(run, ratio, span.as_shown(run, &distances), &distances))
 }
 
-/// Returns the hypothesis of an override ratio on the lines of a span; `distances` are those of the toolpath, mm.
+/// Returns the hypothesis that an override with this ratio acts along a span; `distances` are those of the toolpath, mm.
 fn overridden_between(run: &Run, ratio: f64, span: OverrideSpan, distances: &[f64]) -> Hypothesis {
     let of_path = span.of_path();
     let freed = parameters::FEED_OVERRIDE.tried().also(move |machine| machine.overrides.span = of_path);

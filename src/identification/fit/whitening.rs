@@ -169,17 +169,25 @@ mod tests {
         uniform.sum::<f64>() - 6.0
     }
 
+    /// Residuals (s) of marks every 0.1 s with the deviation of each (s) and the process noise (s/√s), from a seed and the time
+    /// lost before (s).
+    fn wandering(
+        (mut seed, mut lost): (u64, f64),
+        (deviation, wander): (f64, f64),
+        count: usize,
+    ) -> Vec<f64> {
+        let residual = |_| {
+            lost += noise(&mut seed) * wander * 0.1f64.sqrt();
+            lost + noise(&mut seed) * deviation
+        };
+        (0..count).map(residual).collect()
+    }
+
     #[test]
     fn innovations_of_the_process_are_white() {
         let (deviation, wander, count) = (2e-3, 4e-3, 20_000);
         let alignment = alignment(deviation, count);
-        let (mut seed, mut lost) = (7, 5.0);
-        let residuals: Vec<f64> = (0..count)
-            .map(|_| {
-                lost += noise(&mut seed) * wander * 0.1f64.sqrt();
-                lost + noise(&mut seed) * deviation
-            })
-            .collect();
+        let residuals = wandering((7, 5.0), (deviation, wander), count);
         let white = Whitening::new(&alignment, wander).apply(&residuals);
         let white = &white[1..];
         let mean_square = white.iter().map(|v| v * v).sum::<f64>() / white.len() as f64;
@@ -194,13 +202,7 @@ mod tests {
     fn residuals_are_most_likely_at_their_own_noise() {
         let (deviation, wander, count) = (5e-4, 4e-3, 5_000);
         let alignment = alignment(deviation, count);
-        let (mut seed, mut lost) = (11, 0.0);
-        let residuals: Vec<f64> = (0..count)
-            .map(|_| {
-                lost += noise(&mut seed) * wander * 0.1f64.sqrt();
-                lost + noise(&mut seed) * deviation
-            })
-            .collect();
+        let residuals = wandering((11, 0.0), (deviation, wander), count);
         let unlikely = |wander: f64| {
             let whitening = Whitening::new(&alignment, wander).with_sections(&alignment);
             let squares = whitening.apply(&residuals).iter().map(|own| own * own).sum::<f64>();
