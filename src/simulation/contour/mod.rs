@@ -6,32 +6,29 @@
 //! e(X) = min over t of ‖P(t) − X‖
 //! ```
 //!
-//! The error is measured where it is largest: at every corner, and along arcs at points no more than a 24th
+//! The error is measured where it can be largest: at every corner, and along arcs ([`arcs`]) at points no more than a 24th
 //! of the filter delay apart, there also from the filtered path to the programmed one. Between corners a line
 //! is nearer to the filtered path than at its ends. At an isolated corner e is the tolerance for which the
 //! corner law was computed; if several corners lie within one filter delay, e may be larger or smaller.
-//!
-//! The search begins half a filter delay after X was commanded. Its first step leads to where the distance
-//! would be least if the path continued straight, each further step to where it would be least if the path
-//! bent as between the last two steps. Once a step passes the nearest moment, regula falsi narrows the
-//! bracket around it. The search stays within the delay, so that it cannot find another pass over the same
-//! place.
 
 mod sparse;
 mod guaranteed;
 mod regions;
 mod off_path;
+mod arcs;
+mod nearest;
 
 pub(crate) use guaranteed::guaranteed;
 pub use regions::{ErrorRegion, regions_beyond};
 pub use sparse::SparseColumn;
 
-use std::cmp::Ordering;
 use std::ops::Range;
 
+use crate::simulation::contour::arcs::MeasuredArc;
+use crate::simulation::contour::nearest::distance_from_path;
 use crate::simulation::feed::{FeedPlan, Pulses, RestToRest, ToleranceBound};
-use crate::simulation::profile::{MotionState, Profile, RememberedSteps};
-use crate::simulation::toolpath::{Curve, Point, Segment, Toolpath};
+use crate::simulation::profile::{Profile, RememberedSteps};
+use crate::simulation::toolpath::{Curve, Toolpath};
 
 /// Contour errors along a program.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -76,19 +73,6 @@ impl ContourErrors {
         })
     }
 }
-
-/// Points measured along an arc within one filter delay. With them an independent search along ten thousand random
-/// paths finds an error beyond the tolerance on one at most, by less than 1 % of it (`tests/laws/guaranteed.rs`).
-const POINTS_PER_DELAY: f64 = 24.0;
-
-/// Most points measured on one pulse of an arc.
-const MAX_POINTS_PER_PULSE: f64 = 192.0;
-
-/// The search for the nearest moment ends when a step gains no more than this part of the square of the
-/// distance.
-const MIN_SEARCH_GAIN: f64 = 1e-9;
-/// Most steps of that search.
-const MAX_SEARCH_STEPS: usize = 30;
 
 /// Returns the contour errors of a profile at all corners and arcs.
 ///
@@ -199,39 +183,12 @@ fn segment_errors(
     if ends_at_corner {
         errors.end = distance_from_path(steps, segment.end, end, last);
     }
-    if segment.curve == Curve::Line {
-        return errors;
-    }
-    let mut points = Vec::new();
-    for (pulse, index) in pulses.range(own).zip(first..) {
-        let count = (POINTS_PER_DELAY * pulse.duration / delay).ceil().clamp(3.0, MAX_POINTS_PER_PULSE);
-        // If the command is even for a whole delay, all points have the same error: the first and the last
-        // are enough.
-        let is_even = pulse.feedrate[0] == pulse.feedrate[1];
-        let settled = |i: f64| {
-            let elapsed = (i + 0.5) / count * pulse.duration;
-            is_even && 0.5 * delay <= elapsed && elapsed + 0.5 * delay <= pulse.duration
-        };
-        for i in (0..count as usize).map(|i| i as f64) {
-            if settled(i - 1.0) && settled(i) && settled(i + 1.0) {
-                continue;
-            }
-            let elapsed = (i + 0.5) / count * pulse.duration;
-            let commanded = steps.cursor.pulse_start(index) + elapsed;
-            let offset = pulse.offset_after(elapsed);
-            let point = segment.point(offset);
-            let moment = steps.cursor.moment_from(index, commanded + 0.5 * delay);
-            let state = steps.state(moment);
-            let away = state.position - point;
-            let along = away.dot(&state.velocity) / state.velocity.norm();
-            let likely = away.norm_squared() - along * along;
-            points.push(ArcPoint { commanded, offset, point, state, at_most: away.norm(), likely });
-        }
-    }
-    // Only the largest errors count, so the likeliest points come first, and few of the others are searched.
-    points.sort_unstable_by(|a, b| b.likely.total_cmp(&a.likely));
-    for ArcPoint { commanded, offset, point, state, at_most, .. } in points {
-        let (since_start, to_end) = (commanded - start, end - commanded);
+    let Curve::Arc(arc) = &segment.curve else { return errors };
+    let arc = MeasuredArc { toolpath, rest_to_rest, number, segment: &segment, arc, pulses, own };
+    // Moments at which the whole window lies within the arc.
+    let inner = start + 0.5 * delay..end - 0.5 * delay;
+    for point in arc.points(steps, arc.own.clone(), |commanded| !inner.contains(&commanded)) {
+        let (since_start, to_end) = (point.commanded - start, end - point.commanded);
         let place =
             if begins_at_corner && since_start < 0.5 * delay && (since_start <= to_end || !ends_at_corner) {
                 &mut errors.near_start
@@ -240,131 +197,8 @@ fn segment_errors(
             } else {
                 &mut errors.between
             };
-        if at_most <= *place {
-            continue;
-        }
-        *place = place.max(nearest(steps, point, commanded, first, state, *place));
-        if *place < at_most {
-            let away = distance_from_programmed(toolpath, rest_to_rest, number, offset, state.position);
-            *place = place.max(away);
-        }
+        *place = arc.error(steps, point, *place);
     }
+    errors.between = arc.error_within(steps, &inner, errors.between);
     errors
-}
-
-/// A programmed point on an arc.
-struct ArcPoint {
-    /// Time at which it was commanded, s since the beginning of the motion.
-    commanded: f64,
-    /// Distance along the arc, mm.
-    offset: f64,
-    point: Point,
-    /// The filtered motion half a delay later.
-    state: MotionState,
-    /// Distance between the point and that state, mm: an upper bound of the error.
-    at_most: f64,
-    /// Square of the error if the filtered path were straight there, mm².
-    likely: f64,
-}
-
-/// Returns the distance (mm) of the filtered path from a point that was commanded at `commanded` (s since the
-/// beginning of the motion), no earlier than the pulse `pulse`.
-fn distance_from_path(steps: &mut RememberedSteps, point: Point, commanded: f64, pulse: usize) -> f64 {
-    let moment = steps.cursor.moment_from(pulse, commanded + 0.5 * steps.cursor.motion.filter().delay());
-    let state = steps.state(moment);
-    nearest(steps, point, commanded, pulse, state, 0.0)
-}
-
-/// Returns the distance (mm) of the filtered path from a point, given the state half a filter delay later; if
-/// it is at most `enough`, any value up to that.
-fn nearest(
-    steps: &mut RememberedSteps,
-    point: Point,
-    commanded: f64,
-    pulse: usize,
-    mut state: MotionState,
-    enough: f64,
-) -> f64 {
-    let delay = steps.cursor.motion.filter().delay();
-    let mut time = commanded + 0.5 * delay;
-    let mut nearest = f64::INFINITY;
-    // Moments before and after the nearest one, with (P − X)·Ṗ once that is known.
-    let (mut before, mut after) = ((commanded, f64::NAN), (commanded + delay, f64::NAN));
-    let mut was_before = None;
-    let mut last: Option<(f64, f64)> = None;
-    for step in 1..=MAX_SEARCH_STEPS {
-        let away = state.position - point;
-        nearest = nearest.min(away.norm());
-        if nearest <= enough || step == MAX_SEARCH_STEPS {
-            break;
-        }
-        let receding = away.dot(&state.velocity);
-        // The weight of an end that stays is halved, so that it does not stay forever.
-        let is_before = receding < 0.0;
-        let stays = was_before.replace(is_before) == Some(is_before);
-        if is_before {
-            before = (time, receding);
-            after.1 *= if stays { 0.5 } else { 1.0 };
-        } else {
-            after = (time, receding);
-            before.1 *= if stays { 0.5 } else { 1.0 };
-        }
-        let between = before.0 + (after.0 - before.0) * before.1 / (before.1 - after.1);
-        // The slope of (P − X)·Ṗ: from the last step, or as if the path were straight.
-        let grown = last.replace((time, receding)).map(|(then, was)| (receding - was) / (time - then));
-        let slope = grown.filter(|slope| 0.0 < *slope).unwrap_or(state.velocity.norm_squared());
-        let straight = time - receding / slope;
-        let next = if between.is_nan() { straight } else { between }.clamp(before.0, after.0);
-        // A step reduces the square of the distance by its length times its slope.
-        let gain = (receding * (next - time)).abs();
-        if gain.is_nan() || gain <= MIN_SEARCH_GAIN * nearest * nearest {
-            break;
-        }
-        time = next;
-        let moment = steps.cursor.moment_from(pulse, time);
-        state = steps.state(moment);
-    }
-    nearest
-}
-
-/// Returns the distance (mm) of a filtered point from the programmed path near the distance `offset` (mm) on
-/// the segment `number`: from that segment and its neighbours in the motion.
-fn distance_from_programmed(
-    toolpath: &Toolpath,
-    rest_to_rest: &RestToRest,
-    number: usize,
-    offset: f64,
-    point: Point,
-) -> f64 {
-    let Range { start, end } = rest_to_rest.segments;
-    let neighbours = start.max(number.saturating_sub(1))..end.min(number + 2);
-    let distances = neighbours.map(|near| {
-        let segment = toolpath.segments.at(near);
-        let near_there = match near.cmp(&number) {
-            Ordering::Less => segment.length,
-            Ordering::Equal => offset,
-            Ordering::Greater => 0.0,
-        };
-        distance_from_segment(&segment, near_there, point)
-    });
-    distances.fold(f64::INFINITY, f64::min)
-}
-
-/// Returns the distance (mm) of a point from a segment near the distance `s` (mm) along it.
-fn distance_from_segment(segment: &Segment, mut s: f64, point: Point) -> f64 {
-    let mut away = segment.point(s) - point;
-    // Newton's method for the foot of the perpendicular; on a line one step is exact. Where an arc bends more than
-    // it is long, a step may lead away.
-    for _ in 0..4 {
-        let [tangent, curvature, _] = segment.derivatives(s);
-        let change = tangent.norm_squared() + away.dot(&curvature);
-        let next = (s - away.dot(&tangent) / change).clamp(0.0, segment.length);
-        let next_away = segment.point(next) - point;
-        let is_nearer = 0.0 < change && next_away.norm_squared() < away.norm_squared();
-        if !is_nearer {
-            break;
-        }
-        (s, away) = (next, next_away);
-    }
-    away.norm()
 }

@@ -19,7 +19,8 @@
 
 use std::ops::Range;
 
-use crate::simulation::contour::{POINTS_PER_DELAY, distance_from_segment};
+use crate::simulation::contour::arcs::POINTS_PER_DELAY;
+use crate::simulation::contour::nearest::distance_from_segment;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::profile::{Profile, RememberedSteps};
 use crate::simulation::toolpath::{Curve, Toolpath};
