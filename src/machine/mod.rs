@@ -29,7 +29,7 @@ pub use handle::Handle;
 pub use junction::Junction;
 pub use parameter::{Access, Parameter};
 pub use parameters::{PARAMETERS, parameter};
-pub use planner::{FREE_BLEND_MM, KLIPPER_MIN_CRUISE_RATIO, PLANNER_FILTER_S, Planner};
+pub use planner::{CHORD_ERROR_RATIOS, FREE_BLEND_MM, KLIPPER_MIN_CRUISE_RATIO, PLANNER_FILTER_S, Planner};
 pub use presets::{Preset, presets};
 pub use times::{FunctionTimes, MCodeGroup, SpindleDirection, SpindleState, SpindleTimes};
 pub use tolerance::{

@@ -27,6 +27,9 @@ const LINUXCNC_LOOK_AHEAD: f64 = 50.0;
 const GRBL_JUNCTION_DEVIATION_MM: f64 = 0.01;
 /// Default distance between an arc and its chords in grbl, mm.
 const GRBL_CHORD_ERROR_MM: f64 = 0.002;
+/// Factors for the distance between arcs and their chords, tried where runs do not show it. The defaults of grbl and TinyG
+/// differ by a factor of five.
+pub const CHORD_ERROR_RATIOS: [f64; 2] = [0.2, 5.0];
 /// Blocks that grbl plans ahead by default.
 const GRBL_LOOK_AHEAD: f64 = 15.0;
 /// Default square-corner velocity of Klipper, mm/s.
@@ -98,8 +101,8 @@ impl Machine {
         machine
     }
 
-    /// Returns the machine with the distance between arcs and their chords multiplied by `ratio`; unchanged if arcs have no
-    /// chords.
+    /// Returns the machine with the distance between arcs and their chords multiplied by `ratio`, such as one of
+    /// [`CHORD_ERROR_RATIOS`]; unchanged if arcs have no chords.
     pub fn with_scaled_chords(&self, ratio: f64) -> Machine {
         let mut machine = self.clone();
         match &mut machine.interpolator.arc_chords {

@@ -161,6 +161,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let untold = untold::untold(&judgement, alike, runs, &whitenings, &mut fit);
     let least_accelerations = untold::least(&judgement.last, untold, runs, &whitenings);
     let largest_override = untold::largest_override(&judgement.last, runs, &whitenings);
+    let other_chord_ratios = untold::other_chord_ratios(&judgement.last, runs, &whitenings);
     let kept: Vec<(FreeParameter, f64)> = judgement.fitted().cloned().collect();
     let Judgement { all, believed, verdicts, deviations, mut last } = judgement;
     let assumed_rapids = rapids::assumed(&last.machine, fitting.plateaus);
@@ -194,6 +195,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     last.machine.calibrated_on.assumed_accelerations = untold;
     last.machine.calibrated_on.least_accelerations = least_accelerations;
     last.machine.calibrated_on.largest_override = largest_override;
+    last.machine.calibrated_on.other_chord_ratios = other_chord_ratios;
     last.machine.calibrated_on.assumed_rapids = assumed_rapids;
     let after = compared(&last.machine, runs);
     let programmed = Tolerances::Programmed;

@@ -143,6 +143,18 @@ impl RapidMove {
         self.velocities(track, window).fold(Vector::zeros(), |fastest, own| fastest.sup(&own))
     }
 
+    /// Returns the highest velocity of each axis that two separate times of `window` samples reach, mm/s: a jump of the recorder is
+    /// in one of them only.
+    pub fn fastest_twice(&self, track: &Track, window: usize) -> Vector {
+        let velocities: Vec<Vector> = self.velocities(track, window).collect();
+        let mut fastest_later = Vector::zeros();
+        let separate = velocities.iter().zip(velocities.iter().skip(window)).rev();
+        separate.fold(Vector::zeros(), |fastest, (own, later)| {
+            fastest_later = fastest_later.sup(later);
+            fastest.sup(&own.inf(&fastest_later))
+        })
+    }
+
     /// Returns the highest velocity; `None` if the move has fewer than `window` samples. It is that over `window` samples if
     /// the move holds it for so long, otherwise that over the shortest window that noise allows, so that a limit that the
     /// move reaches for a moment is not averaged with its ramps. `error` is the largest error of a distance between two
@@ -262,6 +274,22 @@ mod tests {
         }
         // A few samples have no windows.
         assert!(!holds_a_velocity(&rapid(0.004, |_| 62.0)));
+    }
+
+    #[test]
+    fn a_ramp_reaches_nearly_its_peak_twice_and_a_jump_does_not() {
+        let twice = |velocity: &dyn Fn(f64) -> f64| {
+            let (track, rapid) = rapid(0.2, velocity);
+            rapid.fastest_twice(&track, 10)[2]
+        };
+        let ramps = |time: f64| 730.0 * time.min(0.2 - time);
+        let peak = 730.0 * 0.1;
+        assert!((0.8 * peak..peak).contains(&twice(&ramps)), "{}", twice(&ramps));
+        let jump = |time: f64| ramps(time) + if (time - 0.1).abs() < 0.0005 { 1500.0 } else { 0.0 };
+        assert!(twice(&jump) < peak, "{}", twice(&jump));
+        // Too short for two windows.
+        let (track, short) = rapid(0.03, ramps);
+        assert_eq!(short.fastest_twice(&track, 10), Vector::zeros());
     }
 
     /// Klipper holds the velocity of a move for half of its length, however short the move is.

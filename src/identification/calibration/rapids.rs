@@ -67,7 +67,7 @@ pub struct ReachedVelocity {
     /// Highest velocity.
     pub fastest: f64,
     /// Highest velocity that noise cannot explain: the axis held it on a plateau, or reached it in [`MIN_RAPIDS`]
-    /// rapids.
+    /// rapids or twice in one.
     pub certain: f64,
 }
 
@@ -82,16 +82,18 @@ struct RapidVelocities {
     held: Vector,
     /// Highest velocity of each axis in each rapid.
     fastest: Vec<Vector>,
+    /// Highest velocity that each axis reached twice in one rapid.
+    twice: Vector,
     /// Highest velocity along each rapid, without the rapid override.
     peaks: Vec<RapidPeak>,
 }
 
 impl ReachedVelocity {
-    /// Returns the velocities from the highest one of each rapid (mm/s), of which none is off by more than `error` (mm/s),
-    /// and from the highest plateau (mm/s).
-    fn of(mut fastest_of_each: Vec<f64>, error: f64, plateau: f64) -> ReachedVelocity {
+    /// Returns the velocities from the highest one of each rapid and the highest one that a rapid reached `twice` (mm/s), of
+    /// which none is off by more than `error` (mm/s), and from the highest plateau (mm/s).
+    fn of(mut fastest_of_each: Vec<f64>, twice: f64, error: f64, plateau: f64) -> ReachedVelocity {
         sort_by_number(&mut fastest_of_each, |speed| -speed);
-        let often = fastest_of_each.get(MIN_RAPIDS - 1).map_or(0.0, |speed| speed - error);
+        let often = fastest_of_each.get(MIN_RAPIDS - 1).copied().unwrap_or(0.0).max(twice) - error;
         let fastest = fastest_of_each.first().copied().unwrap_or(0.0);
         ReachedVelocity { fastest: fastest.max(plateau), certain: often.max(plateau) }
     }
@@ -125,7 +127,7 @@ impl RapidPlateaus {
         }
         seen.reached = [0, 1, 2].map(|axis| {
             let fastest_of_each = rapids.fastest.iter().map(|fastest| fastest[axis]).collect();
-            ReachedVelocity::of(fastest_of_each, error, rapids.held[axis])
+            ReachedVelocity::of(fastest_of_each, rapids.twice[axis], error, rapids.held[axis])
         });
         (0 < count).then_some(seen)
     }
@@ -151,6 +153,7 @@ impl RapidPlateaus {
             }
             rapids.peaks.extend(rapid.peak(track, window, error).map(|peak| peak.at_full_rate(ratio)));
             rapids.fastest.push(rapid.fastest(track, window));
+            rapids.twice = rapids.twice.sup(&rapid.fastest_twice(track, window));
         }
         for fixes in run.alignment.fixes.windows(3 * window + 1).step_by(window.div_ceil(2)) {
             let (begin, end) = (&fixes[0], &fixes[3 * window]);
@@ -280,7 +283,7 @@ impl RapidPlateaus {
     /// Returns the machine whose rapids each axis limits. An axis without a plateau has its velocity limit, if any.
     /// Otherwise it is as fast as the fastest axis that showed a plateau or was held back where it cut, since axes are
     /// alike, and at least as fast as it was cut. If there is no such axis, or if the rapids were faster without a
-    /// plateau, the machine file gives the rate, and the axis is at least as fast as it was.
+    /// plateau, those of X and Y counting for both, the machine file gives the rate, and the axis is at least as fast as it was.
     pub fn limited_by_axis(&self, machine: &Machine, file: &Machine) -> Machine {
         let held_back = machine.axes.iter().map(|axis| axis.velocity).filter(|velocity| velocity.is_finite());
         let fastest = self.axes.iter().flatten().copied().chain(held_back).reduce(f64::max);
@@ -290,7 +293,9 @@ impl RapidPlateaus {
             let reached = self.reached[at];
             let known = axis.velocity.is_finite().then_some(axis.velocity);
             let alike = fastest.map(|fastest| fastest.max(self.fastest_cut[at]));
-            let alike = alike.filter(|alike| reached.certain <= *alike);
+            // X and Y are more alike than Z: if one of them was faster, the other one may be as fast.
+            let pair = if at < 2 { &self.reached[..2] } else { &self.reached[2..] };
+            let alike = alike.filter(|alike| pair.iter().all(|reached| reached.certain <= *alike));
             let of_file = axis.rapid.min(file.rapid.feedrate).max(reached.fastest);
             axis.rapid = self.axes[at].or(known).or(alike).unwrap_or(of_file);
         }
@@ -456,6 +461,17 @@ mod tests {
         let faster = [70.0, 50.0, 0.0].map(|certain| ReachedVelocity { certain, fastest: 75.0 });
         let without_plateau = RapidPlateaus { reached: faster, ..RapidPlateaus::default() };
         assert_eq!(given(without_plateau), [machine.rapid.feedrate, 60.0, 60.0]);
+        // Z shows 50 mm/s and Y was faster: X may be as fast as Y.
+        let z_and_y = RapidPlateaus {
+            axes: [None, None, Some(50.0)],
+            reached: [0.0, 70.0, 50.0].map(|certain| ReachedVelocity { certain, fastest: certain }),
+            ..RapidPlateaus::default()
+        };
+        let limited = z_and_y.limited_by_axis(&Machine::default(), &Machine::default());
+        assert_eq!(
+            limited.axes.map(|axis| axis.rapid),
+            [machine.rapid.feedrate, machine.rapid.feedrate, 50.0]
+        );
         let cut_faster = RapidPlateaus { fastest_cut: [80.0, 60.0, 0.0], ..RapidPlateaus::default() };
         assert_eq!(given(cut_faster), [80.0, 60.0, 60.0]);
     }
@@ -479,8 +495,9 @@ mod tests {
         let mut machine = Machine::default();
         (machine.axes[0].velocity, machine.axes[0].rapid) = (50.0, 50.0);
         machine.axes[1].velocity = 70.1;
-        let reached = [(vec![90.0, 101.0, 80.0, 100.0, 99.0], 0.0), (vec![120.0], 70.0), (vec![], 0.0)];
-        let reached = reached.map(|(each, plateau)| ReachedVelocity::of(each, 0.4, plateau));
+        let reached =
+            [(vec![90.0, 101.0, 80.0, 100.0, 99.0], 85.0, 0.0), (vec![120.0], 0.0, 70.0), (vec![], 0.0, 0.0)];
+        let reached = reached.map(|(each, twice, plateau)| ReachedVelocity::of(each, twice, 0.4, plateau));
         assert_eq!(reached.map(|own| own.certain), [100.0 - 0.1 * MAX_NOISE_DEVIATIONS, 70.0, 0.0]);
         let seen = RapidPlateaus { reached, ..RapidPlateaus::default() };
         let (raised, count) = seen.raised(&machine);

@@ -13,7 +13,7 @@ use crate::identification::calibration::motion::axis_of;
 use crate::identification::calibration::{MIN_CONTRADICTING_COST, ParameterVerdict, largest_shift};
 use crate::identification::effects::parameters::{AXIS_ACCELERATION, MAX_OVERRIDE};
 use crate::identification::fit::{Fit, FreeParameter, Run, Whitening, cost_of};
-use crate::machine::Machine;
+use crate::machine::{ArcChords, CHORD_ERROR_RATIOS, Machine};
 
 /// Least shift of any moment of the runs, s, from which they determine a limit. Below it, a fit follows the error
 /// of the model.
@@ -115,6 +115,17 @@ pub fn largest_override(last: &Fit, runs: &[Run], whitenings: &[Whitening]) -> O
         .reduce(f64::max)
 }
 
+/// Returns those of [`CHORD_ERROR_RATIOS`] at which the chords of arcs would be the same to the runs, because other limits
+/// slow their arcs, or because they have none; none if the control has no chords.
+pub fn other_chord_ratios(last: &Fit, runs: &[Run], whitenings: &[Whitening]) -> Vec<f64> {
+    let has_chords = last.machine.interpolator.arc_chords != ArcChords::Whole;
+    let is_allowed = |ratio: &f64| {
+        let other = last.machine.with_scaled_chords(*ratio);
+        is_unseen(&other, cost_of(&other, runs, whitenings), last, runs)
+    };
+    CHORD_ERROR_RATIOS.into_iter().filter(|ratio| has_chords && is_allowed(ratio)).collect()
+}
+
 /// Returns `true` if the runs cannot distinguish a machine with this cost from the machine of the last fit.
 fn is_unseen(machine: &Machine, cost: f64, last: &Fit, runs: &[Run]) -> bool {
     cost < last.cost + MIN_CONTRADICTING_COST || largest_shift([&last.machine, machine], runs) < MIN_MOVED_S
@@ -126,7 +137,7 @@ mod tests {
 
     use super::*;
     use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
-    use crate::machine::{FREE_BLEND_MM, Junction};
+    use crate::machine::{FREE_BLEND_MM, Junction, Planner};
     use crate::simulation::gcode::read;
     use crate::simulation::interpreter::trace;
     use crate::simulation::simulate;
@@ -138,7 +149,12 @@ mod tests {
         machine.interpolator.junction = Junction::AccelerationBlend;
         machine.interpolator.contour_tolerance = tolerance;
         machine.axes.iter_mut().for_each(|axis| axis.acceleration = 500.0);
-        let toolpath = trace(&read(b"G1 X100 F3000\nY100\nX0\nY0"), &machine);
+        on_program("G1 X100 F3000\nY100\nX0\nY0", machine, test);
+    }
+
+    /// Calls `test` with the run of a program, and with a fit that has the machine that ran it.
+    fn on_program(program: &str, machine: Machine, test: impl FnOnce(Fit, &[Run], &[Whitening])) {
+        let toolpath = trace(&read(program.as_bytes()), &machine);
         let ends = toolpath.ends().map(ProgramPlace::Along).collect();
         let marks = simulated_marks(&toolpath, &simulate(&toolpath, &machine), ends, 1e-3);
         let alignment = Alignment::of_marks(Method::Lines, 0.0..10.0, marks, 400.0);
@@ -173,6 +189,26 @@ mod tests {
         on_blended_legs(FREE_BLEND_MM, |last, runs, whitenings| {
             assert_eq!(largest(last, runs, whitenings), None)
         });
+    }
+
+    /// grbl slows the corners of chords where v² > 8 a δ (r/l)², 54 mm/s here, where an arc of a single chord length is not told
+    /// from others at 47 mm/s and one at 100 mm/s is.
+    #[test]
+    fn arcs_show_their_chords_where_these_slow_them() {
+        let ratios = |feed: f64| {
+            let mut machine = Machine::default();
+            machine.become_planner(Planner::JunctionDeviation, 1190.0);
+            machine.interpolator.junction = Junction::Deviation(5e-4);
+            let program = format!("G1 X10 F{feed}\nG3 X10 Y20 I0 J10\nG1 X0\nG3 X0 Y0 I0 J-10\n");
+            let mut found = Vec::new();
+            on_program(&program, machine, |last, runs, whitenings| {
+                found = other_chord_ratios(&last, runs, whitenings);
+            });
+            found
+        };
+        assert_eq!(ratios(1000.0), CHORD_ERROR_RATIOS);
+        assert_eq!(ratios(2840.0), [0.2]);
+        assert_eq!(ratios(6000.0), Vec::<f64>::new());
     }
 
     /// Both axes hold the run back, but the runs hardly determine the value of Y.

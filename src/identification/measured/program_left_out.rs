@@ -49,6 +49,7 @@ pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f
         assumed_accelerations: machine.calibrated_on.assumed_accelerations,
         least_accelerations: machine.calibrated_on.least_accelerations,
         largest_override: machine.calibrated_on.largest_override,
+        other_chord_ratios: machine.calibrated_on.other_chord_ratios.clone(),
         assumed_rapids: machine.calibrated_on.assumed_rapids,
         ..features_of(runs.iter().map(|run| run.toolpath))
     }

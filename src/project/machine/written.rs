@@ -5,7 +5,7 @@ use crate::project::TextFault;
 use crate::units::Unit;
 
 /// Keys of a machine's calibration: its errors and programs.
-pub const CALIBRATION_KEYS: [&str; 19] = [
+pub const CALIBRATION_KEYS: [&str; 20] = [
     "calibration.cycle_time_error_percent",
     "calibration.unexplained_percent",
     "calibration.form_error_mm",
@@ -22,6 +22,7 @@ pub const CALIBRATION_KEYS: [&str; 19] = [
     "calibration.assumed_accelerations",
     "calibration.least_accelerations_mm_s2",
     "calibration.largest_override_percent",
+    "calibration.other_chords_percent",
     "calibration.assumed_rapids",
     "calibration.m_codes",
     "calibration.tolerances_mm",

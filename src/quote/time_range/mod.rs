@@ -23,8 +23,8 @@
 //!
 //! If the runs do not show for which override the control plans its corners, the largest one that they allow may make the
 //! corners of a program faster; and an acceleration that the calibration assumed may be [`ASSUMED_ACCELERATION_RATIO`]
-//! times as high, or as low as the runs allow. If no run has an arc, its chords may be longer or shorter
-//! ([`CHORD_ERROR_RATIOS`]). Then the differences between these cycle times add to the range.
+//! times as high, or as low as the runs allow. If no run has an arc, or none whose chords would slow it if they were longer or
+//! shorter, the chords may be so ([`CHORD_ERROR_RATIOS`]). Then the differences between these cycle times add to the range.
 //!
 //! A feed is faster if it moves an axis faster than any move of the runs, feed or rapid: if the runs recorded
 //! positions, an axis can cut as fast as it moved in rapid. A rapid is faster if an axis whose full rapid
@@ -38,7 +38,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::machine::{ArcChords, CalibratedOn, Extent, Machine};
+use crate::machine::{ArcChords, CHORD_ERROR_RATIOS, CalibratedOn, Extent, Machine};
 use crate::simulation::feed::limits::{acceleration, largest_share, requested_feedrate};
 use crate::simulation::feed::stop_time;
 use crate::simulation::ordered::sort_by_number;
@@ -57,9 +57,6 @@ const ASSUMED_ACCELERATION_RATIO: f64 = 1.25;
 /// Relative error of other programs that nine in ten do not exceed on a machine of another law: 13 pairs of programs
 /// of two such planners (seed 71) are off by 17 % in the median and by 41 % at most.
 pub const UNKNOWN_LAW_ERROR_RATIO: f64 = 0.4;
-/// Factors for the distance between arcs and their chords in the machine file, tried if no run shows an arc. The defaults
-/// of grbl and TinyG differ by a factor of five.
-const CHORD_ERROR_RATIOS: [f64; 2] = [0.2, 5.0];
 /// Time on either side of a corner that the corner affects, s.
 const CORNER_REACH_S: f64 = 0.1;
 /// Least turn of a corner, rad.
@@ -332,15 +329,11 @@ fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshow
         }
         other
     };
-    let has_unshown_arc = || {
-        on.radii == Extent(None)
-            && machine.interpolator.arc_chords != ArcChords::Whole
-            && toolpath.segments.iter().any(|segment| segment.curve != Curve::Line)
-    };
-    let chords = match has_unshown_arc() {
-        true => CHORD_ERROR_RATIOS.map(|ratio| machine.with_scaled_chords(ratio)).to_vec(),
-        false => Vec::new(),
-    };
+    let has_chords = machine.interpolator.arc_chords != ArcChords::Whole
+        && toolpath.segments.iter().any(|segment| segment.curve != Curve::Line);
+    let ratios: &[f64] = if on.radii == Extent(None) { &CHORD_ERROR_RATIOS } else { &on.other_chord_ratios };
+    let ratios = ratios.iter().filter(|_| has_chords);
+    let chords: Vec<Machine> = ratios.map(|ratio| machine.with_scaled_chords(*ratio)).collect();
     let overrides: Vec<Machine> = on.largest_override.map(planned_for).into_iter().collect();
     let accelerations = match on.assumed_accelerations.contains(&true) {
         true => [1.0 / ASSUMED_ACCELERATION_RATIO, ASSUMED_ACCELERATION_RATIO].map(accelerating).to_vec(),

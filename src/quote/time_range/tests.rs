@@ -80,6 +80,11 @@ fn the_range_reaches_to_other_chords_if_the_runs_show_no_arc() {
     let time = |ratio: f64| simulate(&arc, &machine.with_scaled_chords(ratio)).cycle_time();
     let other = (time(0.2) - time(1.0)).max(time(1.0) - time(5.0));
     assert!(0.01 + other / time(1.0) < shares(Extent(None)), "{other} s");
+    // Runs whose arcs longer chords would slow allow shorter ones only.
+    let on = CalibratedOn { range: Some(0.01), other_chord_ratios: vec![0.2], ..features_of([&arc]) };
+    let found = range(&arc, &Machine { calibrated_on: on, ..machine.clone() }).expect("calibrated");
+    let programmed = (20.0 + 20.0 * std::f64::consts::PI + 20.0) / 50.0;
+    assert!((found.ratio - 0.01 - (time(0.2) - time(1.0)).abs() / programmed).abs() < 1e-9, "{found:?}");
 }
 
 #[test]
