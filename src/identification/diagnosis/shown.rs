@@ -9,7 +9,8 @@
 //! holds.
 //!
 //! The feed override that LinuxCNC plans for decides how widely it blends corners that no tolerance limits, and at which
-//! tangents it stops in exact path mode (G61). Other corners do not show this override.
+//! tangents it stops in exact path mode (G61). Other corners do not show this override. Nor do arcs that other limits slow
+//! show their chords.
 //!
 //! A program with few corners, or with slow ones, shows the junction law of a planner to some ten per cent only, and chains
 //! of short lines of another program depend on it strongly. So that law may differ by [`JUNCTION_LAW_RATIO`] there, and an
@@ -51,7 +52,9 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
     let shows_override = machine.calibrated_on.largest_override.is_some()
         || machine.interpolator.junction.blends_in_time() && runs.iter().any(is_exact_path);
     let near: Vec<FreeParameter> = junction_law(machine).into_iter().chain(accelerations(machine)).collect();
-    let count = assumed(machine).len() + exceeded + waits.len() + usize::from(shows_override) + near.len();
+    let other_chords = &machine.calibrated_on.other_chord_ratios;
+    let chosen = usize::from(shows_override) + usize::from(!other_chords.is_empty());
+    let count = assumed(machine).len() + exceeded + waits.len() + chosen + near.len();
     if count == 0 {
         return None;
     }
@@ -64,9 +67,17 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
     };
     // At the noise that the first leaves: at that of what was assumed wrongly hardly anything is seen.
     let mut first = fitted(&raised);
+    let nearest_of = |first: Machine, others: Vec<Machine>| {
+        let all = [first.clone()].into_iter().chain(others);
+        nearest(all, runs, &Evidence::of(runs, &first).whitenings).unwrap_or(first)
+    };
     if shows_override {
-        let planned = [first.clone()].into_iter().chain(MAX_OVERRIDE.guesses_on(&first));
-        first = nearest(planned, runs, &Evidence::of(runs, &first).whitenings).unwrap_or(first);
+        let planned = MAX_OVERRIDE.guesses_on(&first);
+        first = nearest_of(first, planned);
+    }
+    if !other_chords.is_empty() {
+        let chorded = other_chords.iter().map(|ratio| first.with_scaled_chords(*ratio)).collect();
+        first = nearest_of(first, chorded);
     }
     let found = fitted(&first);
     let fine = Evidence::of(runs, &found);
@@ -123,4 +134,36 @@ fn with_plateaus(machine: &Machine, seen: &RapidPlateaus) -> Machine {
         machine.rapid.feedrate = seen.path.unwrap_or(machine.rapid.feedrate);
     }
     machine
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
+    use crate::machine::Planner;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::simulate;
+
+    /// A calibration on other arcs did not show the chords, which slow these.
+    #[test]
+    fn chords_that_the_calibration_had_to_assume_are_taken_from_the_recording() {
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::JunctionDeviation, 1190.0);
+        machine.interpolator.junction = Junction::Deviation(5e-4);
+        let truth = machine.with_scaled_chords(0.2);
+        let program =
+            format!("G1 F3830\n{}", "X10\nG3 X10 Y9.4 I0 J4.7\nG1 X0\nG3 X0 Y0 I0 J-4.7\nG1 ".repeat(12));
+        let toolpath = trace(&read(program.as_bytes()), &truth);
+        let plan = simulate(&toolpath, &truth);
+        let ends = toolpath.ends().map(ProgramPlace::Along).collect();
+        let marks = simulated_marks(&toolpath, &plan, ends, 1e-3);
+        let alignment = Alignment::of_marks(Method::Positions, 0.0..plan.cycle_time(), marks, 400.0);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        machine.calibrated_on.other_chord_ratios = vec![0.2, 5.0];
+        let found = shown(&machine, &runs).expect("the runs show the chords");
+        assert_eq!(found.interpolator.arc_chords, truth.interpolator.arc_chords);
+        let off = simulate(&toolpath, &found).cycle_time() - plan.cycle_time();
+        assert!(off.abs() < 0.01, "{off} s");
+    }
 }
