@@ -62,8 +62,8 @@ pub struct CalibratedOn {
     /// Largest override for which the control may plan its corners as far as the runs show; `None` if they determine that
     /// override, or if the control does not plan corners for one.
     pub largest_override: Option<f64>,
-    /// [`CHORD_ERROR_RATIOS`](crate::machine::CHORD_ERROR_RATIOS) at which the runs would have been the same;
-    /// empty if the runs determine the chords, or if arcs have none.
+    /// [`CHORD_ERROR_RATIOS`](crate::machine::CHORD_ERROR_RATIOS) at which the runs would have been the same; empty if the runs
+    /// determine the chords, or if arcs have none.
     pub other_chord_ratios: Vec<f64>,
     /// `true` for each of the axes X, Y, Z that the runs do not show at its full rapid feedrate.
     pub assumed_rapids: [bool; 3],

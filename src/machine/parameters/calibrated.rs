@@ -82,7 +82,7 @@ pub const CALIBRATED: [Parameter; 20] = [
             |m| Some(m.calibrated_on.other_chord_ratios.clone()).filter(|list| !list.is_empty()),
             |m, v| m.calibrated_on.other_chord_ratios = v,
         ),
-        "Distances between arcs and their chords that the calibrating runs allow as well as that of this machine, as a part of it. Programs that other chords would slow are less certain. Empty: the runs determine the chords, or arcs have none."
+        "Distances between arcs and their chords that the calibrating runs allow as well as that of this machine, in per cent of it. Programs that other chords would slow are less certain. Empty: the runs determine the chords, or arcs have none."
     ),
     row!(
         "calibration.assumed_rapids",
