@@ -26,7 +26,7 @@ const JERK_LIMIT_ACCELERATION_RATIOS: [f64; 3] = [1.0, 2.0, 4.0];
 const JERK_ACCELERATIONS_MM_S2: [f64; 3] = [1e4, 1500.0, 500.0];
 /// Factors for the distance between arcs and their chords beside a jerk limit: 0.002, 0.01 and 0.05 mm with grbl's
 /// default.
-const CHORD_ERROR_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
+const JERK_CHORD_ERROR_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
 
 /// Largest relative difference of the steps of two recordings of one machine.
 const MAX_STEP_DIFFERENCE_RATIO: f64 = 1e-3;
@@ -173,7 +173,7 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
             whitenings,
         )?;
         // Each chord has its own ramps.
-        nearest(CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)), runs, whitenings)
+        nearest(JERK_CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)), runs, whitenings)
     };
     [steeper, alike].into_iter().filter_map(near).collect()
 }
