@@ -6,7 +6,7 @@
 //! e(X) = min over t of ‖P(t) − X‖
 //! ```
 //!
-//! The error is measured where it can be largest: at every corner, and along arcs ([`arcs`]) at points no more than a 24th
+//! The error is measured where it can be largest: at every corner, and along arcs at points no more than a 24th
 //! of the filter delay apart, there also from the filtered path to the programmed one. Between corners a line
 //! is nearer to the filtered path than at its ends. At an isolated corner e is the tolerance for which the
 //! corner law was computed; if several corners lie within one filter delay, e may be larger or smaller.
