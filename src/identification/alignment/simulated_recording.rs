@@ -30,6 +30,22 @@ pub fn simulated_marks(
     places.into_iter().zip(times).map(|(place, time)| Mark { place, time, deviation }).collect()
 }
 
+/// Returns a program and the recording of a machine that runs it, with a mark at the end of each block; `deviation` is the
+/// standard deviation of each time, s.
+#[cfg(test)]
+pub fn recorded(program: &str, machine: &Machine, deviation: f64) -> (Toolpath, Alignment) {
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::simulate;
+
+    let toolpath = trace(&read(program.as_bytes()), machine);
+    let plan = simulate(&toolpath, machine);
+    let ends = toolpath.ends().map(ProgramPlace::Along).collect();
+    let marks = simulated_marks(&toolpath, &plan, ends, deviation);
+    let alignment = Alignment::of_marks(Method::Positions, 0.0..plan.cycle_time(), marks, 400.0);
+    (toolpath, alignment)
+}
+
 /// Returns the time at which the simulated machine is at each mark, s: on its path, or as a recorder would
 /// see its drives.
 pub fn times_at_marks(

@@ -186,25 +186,11 @@ fn is_same_family(one: &Model, other: &Model) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
+    use crate::identification::alignment::recorded;
     use crate::identification::calibration::compared;
     use crate::identification::effects::parameters::MINIMUM_CRUISE_RATIO;
     use crate::identification::fit::{FreeParameter, Run};
     use crate::machine::Planner;
-    use crate::simulation::gcode::read;
-    use crate::simulation::interpreter::trace;
-    use crate::simulation::simulate;
-    use crate::simulation::toolpath::Toolpath;
-
-    /// Returns a program with the marks that a machine records on it.
-    fn recorded(program: &str, truth: &Machine) -> (Toolpath, Alignment) {
-        let toolpath = trace(&read(program.as_bytes()), truth);
-        let plan = simulate(&toolpath, truth);
-        let ends = toolpath.ends().map(ProgramPlace::Along).collect();
-        let marks = simulated_marks(&toolpath, &plan, ends, 1e-4);
-        let alignment = Alignment::of_marks(Method::Positions, 0.0..plan.cycle_time(), marks, 400.0);
-        (toolpath, alignment)
-    }
 
     #[test]
     fn a_fit_that_takes_a_law_away_goes_on_without_its_parameter() {
@@ -213,7 +199,7 @@ mod tests {
         truth.interpolator.minimum_cruise_ratio = 0.0;
         let square = |side: usize| format!("X{side}\nY{side}\nX0\nY0\n");
         let program = format!("G1 F6000\n{}", (1..=12).map(square).collect::<String>());
-        let (toolpath, alignment) = recorded(&program, &truth);
+        let (toolpath, alignment) = recorded(&program, &truth, 1e-4);
         let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
         let mut start = truth.clone();
         start.interpolator.minimum_cruise_ratio = 0.001;
@@ -240,7 +226,7 @@ mod tests {
         truth.become_planner(Planner::AccelerationBlend, 1560.0);
         truth.interpolator.max_override = 2.0;
         let program = format!("G1 F2820\n{}", "X1.5 Y0\nX0 Y-6.543\nX13.212\nY0\n".repeat(6));
-        let (toolpath, alignment) = recorded(&program, &truth);
+        let (toolpath, alignment) = recorded(&program, &truth, 1e-4);
         let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
         let mut believed = truth.clone();
         believed.interpolator.max_override = 1.2;

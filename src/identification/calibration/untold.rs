@@ -136,11 +136,8 @@ mod tests {
     use nalgebra::DMatrix;
 
     use super::*;
-    use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
+    use crate::identification::alignment::recorded;
     use crate::machine::{FREE_BLEND_MM, Junction, Planner};
-    use crate::simulation::gcode::read;
-    use crate::simulation::interpreter::trace;
-    use crate::simulation::simulate;
 
     /// Calls `test` with legs along X and Y that are blended within a tolerance, mm, and with a fit that has the machine that
     /// ran them.
@@ -154,10 +151,7 @@ mod tests {
 
     /// Calls `test` with the run of a program, and with a fit that has the machine that ran it.
     fn on_program(program: &str, machine: Machine, test: impl FnOnce(Fit, &[Run], &[Whitening])) {
-        let toolpath = trace(&read(program.as_bytes()), &machine);
-        let ends = toolpath.ends().map(ProgramPlace::Along).collect();
-        let marks = simulated_marks(&toolpath, &simulate(&toolpath, &machine), ends, 1e-3);
-        let alignment = Alignment::of_marks(Method::Lines, 0.0..10.0, marks, 400.0);
+        let (toolpath, alignment) = recorded(program, &machine, 1e-3);
         let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
         let whitenings = [Whitening::new(&alignment, 1e-3)];
         let last = Fit {

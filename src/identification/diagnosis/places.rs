@@ -252,11 +252,8 @@ fn line_at(run: &Run, distance: f64, distances: &[f64]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
+    use crate::identification::alignment::recorded;
     use crate::machine::Planner;
-    use crate::simulation::gcode::read;
-    use crate::simulation::interpreter::trace;
-    use crate::simulation::simulate;
 
     /// Holes, each cut in many marks, as positions show them.
     fn drilling() -> String {
@@ -271,11 +268,7 @@ mod tests {
     fn range_found(truth: impl Fn(&Machine) -> Machine) -> Option<Hypothesis> {
         let mut machine = Machine::default();
         machine.become_planner(Planner::SquareCorner, 1990.0);
-        let toolpath = trace(&read(drilling().as_bytes()), &machine);
-        let plan = simulate(&toolpath, &truth(&machine));
-        let ends = toolpath.ends().map(ProgramPlace::Along).collect();
-        let marks = simulated_marks(&toolpath, &plan, ends, 1e-4);
-        let alignment = Alignment::of_marks(Method::Positions, 0.0..plan.cycle_time(), marks, 400.0);
+        let (toolpath, alignment) = recorded(&drilling(), &truth(&machine), 1e-4);
         let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
         override_range(&machine, &runs[0], &Evidence::of(&runs, &machine))
     }

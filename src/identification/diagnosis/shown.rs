@@ -139,10 +139,8 @@ fn with_plateaus(machine: &Machine, seen: &RapidPlateaus) -> Machine {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::alignment::{Alignment, Method, ProgramPlace, simulated_marks};
+    use crate::identification::alignment::recorded;
     use crate::machine::Planner;
-    use crate::simulation::gcode::read;
-    use crate::simulation::interpreter::trace;
     use crate::simulation::simulate;
 
     /// A calibration on other arcs did not show the chords, which slow these.
@@ -154,16 +152,13 @@ mod tests {
         let truth = machine.with_scaled_chords(0.2);
         let program =
             format!("G1 F3830\n{}", "X10\nG3 X10 Y9.4 I0 J4.7\nG1 X0\nG3 X0 Y0 I0 J-4.7\nG1 ".repeat(12));
-        let toolpath = trace(&read(program.as_bytes()), &truth);
-        let plan = simulate(&toolpath, &truth);
-        let ends = toolpath.ends().map(ProgramPlace::Along).collect();
-        let marks = simulated_marks(&toolpath, &plan, ends, 1e-3);
-        let alignment = Alignment::of_marks(Method::Positions, 0.0..plan.cycle_time(), marks, 400.0);
+        let (toolpath, alignment) = recorded(&program, &truth, 1e-3);
         let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
         machine.calibrated_on.other_chord_ratios = vec![0.2, 5.0];
         let found = shown(&machine, &runs).expect("the runs show the chords");
         assert_eq!(found.interpolator.arc_chords, truth.interpolator.arc_chords);
-        let off = simulate(&toolpath, &found).cycle_time() - plan.cycle_time();
+        let off = [&found, &truth].map(|machine| simulate(&toolpath, machine).cycle_time());
+        let off = off[0] - off[1];
         assert!(off.abs() < 0.01, "{off} s");
     }
 }

@@ -144,7 +144,7 @@ impl MeasuredArc<'_> {
         let commanded = steps.cursor.pulse_start(index) + elapsed;
         let offset = pulse.offset_after(elapsed);
         let point = self.segment.point(offset);
-        let half_delay = 0.5 * steps.cursor.motion.filter().delay();
+        let half_delay = steps.cursor.motion.filter().half_delay();
         let moment = steps.cursor.moment_from(index, commanded + half_delay);
         let state = steps.state(moment);
         let away = state.position - point;

@@ -23,7 +23,7 @@ pub(super) fn distance_from_path(
     commanded: f64,
     pulse: usize,
 ) -> f64 {
-    let moment = steps.cursor.moment_from(pulse, commanded + 0.5 * steps.cursor.motion.filter().delay());
+    let moment = steps.cursor.moment_from(pulse, commanded + steps.cursor.motion.filter().half_delay());
     let state = steps.state(moment);
     nearest(steps, point, commanded, pulse, state, 0.0)
 }
