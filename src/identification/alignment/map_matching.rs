@@ -56,6 +56,10 @@ const MIN_NOISE_MM: f64 = 2e-4;
 const MIN_STEP_MM: f64 = 5e-4;
 /// Largest error of a recorded position by the rounding of the number itself, mm.
 const ROUNDING_MM: f64 = 1e-6;
+/// Number of parts into which controls divide the number of steps in a millimetre: grbl's `$100` has three decimals.
+const STEPS_PER_MM_RESOLUTION: f64 = 1000.0;
+/// Largest relative error of a step read off recorded positions.
+const MAX_STEP_ERROR_RATIO: f64 = 1e-6;
 
 /// Positions of all axes at common stamps.
 #[derive(Clone, Debug)]
@@ -441,14 +445,28 @@ fn noise_and_rounding(column: &[f64]) -> f64 {
 
 /// Returns the largest distance of which all changes of a column are multiples, mm; 0 if there is none.
 fn lattice(column: &[f64]) -> f64 {
+    let changes = || column.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let mut step = 0.0;
-    for change in column.windows(2).map(|pair| (pair[1] - pair[0]).abs()) {
+    for change in changes() {
         step = common_divisor(step, change);
         if 0.0 < step && step < MIN_STEP_MM {
             return 0.0;
         }
     }
-    step
+    if step == 0.0 {
+        return 0.0;
+    }
+    // The common divisor has the rounding errors of a few changes; a path of thousands of steps adds them up.
+    let counted: f64 = changes().map(|change| (change / step).round()).sum();
+    with_decimal_steps_per_mm(changes().sum::<f64>() / counted)
+}
+
+/// Returns the nearest step (mm) of which a millimetre has a number with as many decimals as controls have, if it is as near
+/// as rounding allows; otherwise returns the step unchanged. A step that is off by its rounding would move the programmed
+/// points that lie halfway between two steps to the wrong one.
+fn with_decimal_steps_per_mm(step: f64) -> f64 {
+    let decimal = STEPS_PER_MM_RESOLUTION / (STEPS_PER_MM_RESOLUTION / step).round();
+    if (decimal - step).abs() < MAX_STEP_ERROR_RATIO * step { decimal } else { step }
 }
 
 /// Returns the largest common divisor of two distances, mm; 0 if both are.
@@ -478,6 +496,8 @@ mod tests {
         assert!((lattice(&z([0, 2, 5, 5, 9])) - 0.004).abs() < 1e-9);
         assert!((lattice(&z([0, 6, 6, 2, 12])) - 0.008).abs() < 1e-9, "all changes are even");
         assert_eq!(lattice(&[3.0; 4]), 0.0);
+        let rounded = z([0, 2, 7, 7, 9]).map(|mm| mm + 30.0 + 3e-7 * (1e3 * mm).sin());
+        assert_eq!(lattice(&rounded), 0.004, "a whole number of steps in a millimetre");
         let free: Vec<f64> = (0..50).map(|row| (0.3 * f64::from(row)).sin()).collect();
         assert_eq!(lattice(&free), 0.0);
     }

@@ -37,6 +37,9 @@ const MAX_ARC_CHORDS: f64 = 1e6;
 /// Most chords for each segment of the program, on average.
 const MAX_CHORDS_PER_SEGMENT: f64 = 64.0;
 
+/// Largest rounding error of a position, steps.
+const MAX_ROUNDING_STEPS: f64 = 1e-6;
+
 /// Returns the toolpath with the blocks that the control runs; `None` if these are the program's: if arcs are run whole or
 /// there are none, and no axis has steps.
 pub fn blocks(toolpath: &Toolpath, machine: &Machine) -> Option<Substitute> {
@@ -99,7 +102,7 @@ impl AtWholeSteps {
 
     fn rounded(&self, mut point: Point) -> Point {
         for (axis, step) in self.steps.into_iter().enumerate().filter(|(_, step)| 0.0 < *step) {
-            point[axis] = step * (point[axis] / step).round();
+            point[axis] = step * nearest_whole(point[axis] / step);
         }
         point
     }
@@ -112,6 +115,12 @@ impl AtWholeSteps {
         }
         Some(self.blocks)
     }
+}
+
+/// Returns the nearest whole number of steps; of two that are as near, but for rounding errors, the larger in size, as
+/// `lround` does.
+fn nearest_whole(steps: f64) -> f64 {
+    (steps.abs() + MAX_ROUNDING_STEPS).round().copysign(steps)
 }
 
 /// Returns the number of chords of an arc by the rule; 0 for a line.
