@@ -2,8 +2,11 @@
 
 use crate::machine::{ArcChords, Junction, Machine, TimeConstants};
 
-/// Time constant of the filter that a planner retains, s: half a servo period, which has no visible effect.
+/// Longest time constant of the filter that a planner retains, s: half the servo period of LinuxCNC.
 pub const PLANNER_FILTER_S: f64 = 5e-4;
+/// Time constant of the filter that a planner without a servo period retains, s: the shortest in a machine file. Each stop
+/// takes this much longer, and a fit would make up for it by faster corners.
+const STEPPER_FILTER_S: f64 = 1e-5;
 
 /// Factor on a filter delay compared with [`PLANNER_FILTER_S`], as a machine file may round the constants up.
 const MIN_ROUNDING_RATIO: f64 = 0.999;
@@ -65,7 +68,11 @@ impl Machine {
     /// [`Planner::SquareCorner`], unless a limit is already lower.
     pub fn become_planner(&mut self, planner: Planner, acceleration: f64) {
         self.interpolator.filters = 1;
-        self.interpolator.time_constants = TimeConstants::Equal(PLANNER_FILTER_S);
+        let filter = match planner {
+            Planner::AccelerationBlend => PLANNER_FILTER_S,
+            Planner::JunctionDeviation | Planner::SquareCorner => STEPPER_FILTER_S,
+        };
+        self.interpolator.time_constants = TimeConstants::Equal(filter);
         // The planners of grbl and Klipper plan rapids and feed moves together; the others stop between them.
         let stops = planner == Planner::AccelerationBlend;
         self.rapid.time_constants = stops.then_some(TimeConstants::Equal(PLANNER_FILTER_S));

@@ -13,12 +13,16 @@ use crate::identification::calibration::{
 };
 use crate::identification::comparison::Comparison;
 use crate::identification::effects::MIN_EXPLAINED_SHARE;
-use crate::identification::effects::parameters::{DWELL_EXCESS, FILTERS, PROGRAM_START};
+use crate::identification::effects::parameters::{CLOCK_RATIO, DWELL_EXCESS, FILTERS, PROGRAM_START};
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::{Machine, TimeConstants};
 
 /// Initial value of the dwell excess in a fit, s: half the cycle of a 10 ms task.
 const INITIAL_DWELL_EXCESS_S: f64 = 0.005;
+
+/// Standard deviation of the rate of the recorder's clock compared with the control's: a computer that follows no other
+/// clock is off by 2e-4, and grbl, whose timer counts one cycle of 62.5 ns more for each step, by 5e-4 to 1.2e-3.
+const CLOCK_DEVIATION_RATIO: f64 = 5e-4;
 
 /// The common input of all fits of a calibration.
 pub struct Fitting<'a> {
@@ -163,6 +167,11 @@ impl<'a> Fitting<'a> {
     pub fn parameters(&self, order: usize, start: &Machine) -> Vec<(FreeParameter, f64)> {
         let mut all = motion(self.machine, start, order, self.runs, self.plateaus);
         all.extend(spindle_ramp(self.machine, start));
+        if self.runs.iter().all(|run| polled(run).is_none()) {
+            let [own, from] = [self.machine, start].map(|machine| machine.recorder.clock_ratio);
+            let clock = CLOCK_RATIO.calibrated(from).linear().expected(own, CLOCK_DEVIATION_RATIO);
+            all.push((clock, own));
+        }
         all.extend(self.waits.iter().map(|(freed, value)| {
             (freed.starting_at(freed.handle.get(start).unwrap_or(freed.start)), *value)
         }));

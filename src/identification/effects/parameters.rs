@@ -273,7 +273,8 @@ parameters! {
     RAPID_OVERRIDE = ratio("override.rapid", Ratios(0.01, 1.0)).exactly(Exactness::Exact);
     /// Rate of the recorder's clock, as a ratio to true time. Quartz is accurate to 2e-4. A row that counts ticks of
     /// a timer is off by the rounding of the tick, at worst 16 ms for the 15.625 ms of Windows.
-    CLOCK_RATIO = ratio("recorder.clock_ratio", Values(0.97, 1.03)).exactly(Exactness::Exact);
+    CLOCK_RATIO = ratio("recorder.clock_ratio", Values(0.97, 1.03)).exactly(Exactness::Exact)
+        .in_calibration(Values(0.998, 1.002));
 }
 
 parameters_of_axes! {

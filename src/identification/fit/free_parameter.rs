@@ -55,6 +55,9 @@ pub struct FreeParameter {
     pub is_linear: bool,
     /// Exactness with which a machine can have the value.
     pub exactness: Exactness,
+    /// What is known of the value before any run: the expected value and its standard deviation, core units; `None` if
+    /// nothing is.
+    pub prior: Option<(f64, f64)>,
     set: Setter,
 }
 
@@ -78,6 +81,7 @@ impl FreeParameter {
             scale,
             is_linear: false,
             exactness: Exactness::Law,
+            prior: None,
             set: Arc::new(set),
         }
     }
@@ -107,6 +111,11 @@ impl FreeParameter {
     /// Marks all times as linear in the parameter.
     pub fn linear(self) -> FreeParameter {
         FreeParameter { is_linear: true, ..self }
+    }
+
+    /// Adds an expected value with its standard deviation, core units, which count as one more observation.
+    pub fn expected(self, value: f64, deviation: f64) -> FreeParameter {
+        FreeParameter { prior: Some((value, deviation)), ..self }
     }
 
     /// Marks the parameter as counted in cycles of the control.

@@ -78,6 +78,7 @@ impl FitProblem<'_> {
         DVector::from_iterator(self.freed.len(), start)
     }
 
+    /// Returns the whitened residuals of each run, followed by those of the values that have an expected value.
     fn whitened(&self, varied: &DVector<f64>) -> Vec<Vec<f64>> {
         let values: Vec<f64> = self
             .freed
@@ -85,7 +86,15 @@ impl FitProblem<'_> {
             .zip(varied.iter())
             .map(|(freed, varied)| freed.from_internal(*varied))
             .collect();
-        whitened(&with(self.machine, self.freed, &values), self.runs, self.whitenings)
+        let mut all = whitened(&with(self.machine, self.freed, &values), self.runs, self.whitenings);
+        let from_expected = |(freed, value): (&FreeParameter, &f64)| {
+            freed.prior.map(|(expected, deviation)| (value - expected) / deviation)
+        };
+        let priors: Vec<f64> = self.freed.iter().zip(&values).filter_map(from_expected).collect();
+        if !priors.is_empty() {
+            all.push(priors);
+        }
+        all
     }
 }
 
@@ -110,9 +119,12 @@ impl Problem for FitProblem<'_> {
                 beside[column] = freed.to_internal(freed.from_internal(varied[column] + sign * step));
                 (beside[column], self.whitened(&beside))
             };
-            // A linear parameter needs no second point.
-            let below = if freed.is_linear { (varied[column], found.to_vec()) } else { beside(-1.0) };
-            (below, beside(1.0))
+            if !freed.is_linear {
+                return (beside(-1.0), beside(1.0));
+            }
+            // A linear parameter needs no second point, unless it is at its upper bound.
+            let (own, above) = ((varied[column], found.to_vec()), beside(1.0));
+            if own.0 < above.0 { (own, above) } else { (beside(-1.0), own) }
         };
         let is_kept = |column: usize| self.freed[column].is_linear && !last.is_empty();
         let columns = 0..self.freed.len();

@@ -70,7 +70,7 @@ pub fn covariance(found: &SearchMinimum, clocks: &[Vec<f64>]) -> DMatrix<f64> {
     let normal = all.among(&known).normal;
     let Some(inverse) = inverse(&normal) else { return covariance };
     let plain = &inverse * dispersion(&found.residuals);
-    let moved = jackknife(found, &known, &normal);
+    let moved = jackknife(found, clocks.len(), &known, &normal);
     let mut clock = DVector::zeros(count);
     for ((whitened, jacobian), trace) in found.residuals.iter().zip(&found.jacobians).zip(clocks) {
         for (row, (value, trace)) in whitened.iter().zip(trace).enumerate() {
@@ -88,15 +88,15 @@ pub fn covariance(found: &SearchMinimum, clocks: &[Vec<f64>]) -> DMatrix<f64> {
     covariance
 }
 
-/// Returns the variance of each determined value by leaving out blocks: the largest over all block lengths at
-/// which the value is determined without any one block.
-fn jackknife(found: &SearchMinimum, known: &[usize], normal: &DMatrix<f64>) -> Vec<f64> {
+/// Returns the variance of each determined value by leaving out blocks of the `runs`: the largest over all block lengths
+/// at which the value is determined without any one block. Expected values, which follow the runs, are never left out.
+fn jackknife(found: &SearchMinimum, runs: usize, known: &[usize], normal: &DMatrix<f64>) -> Vec<f64> {
     let mut largest = vec![0.0; known.len()];
     for blocks in scales() {
         let mut squares = vec![0.0; known.len()];
         let mut alone = vec![false; known.len()];
         let mut count = 0.0;
-        for (whitened, jacobian) in found.residuals.iter().zip(&found.jacobians) {
+        for (whitened, jacobian) in found.residuals.iter().zip(&found.jacobians).take(runs) {
             let rows = whitened.len();
             let length = rows.div_ceil(blocks).max(1);
             for first in (0..rows).step_by(length) {

@@ -30,7 +30,7 @@ pub fn parameter(key: &str) -> Option<&'static Parameter> {
     PARAMETERS.iter().find(|parameter| parameter.key == key)
 }
 
-const TIME_CONSTANT_BOUNDS_S: (f64, f64) = (1e-4, 2.0);
+const TIME_CONSTANT_BOUNDS_S: (f64, f64) = (1e-5, 2.0);
 /// Bounds of distances along the path.
 const DISTANCE_BOUNDS_MM: (f64, f64) = (0.0, 1e12);
 
