@@ -29,7 +29,7 @@ impl CornerPlanning {
 }
 
 /// The rows of block supply.
-pub const BLOCK_SUPPLY: [Parameter; 3] = [
+pub const BLOCK_SUPPLY: [Parameter; 4] = [
     row!("interpolator.block_time_s", "Block processing time", value Second (0.0, 1.0) [interpolator.block_time] or 0.0,
         "Shortest time of a block. 0: no such limit."),
     row!(
@@ -42,6 +42,8 @@ pub const BLOCK_SUPPLY: [Parameter; 3] = [
         ),
         "Number of blocks that the control sees ahead, and within which it must be able to stop. Empty: all."
     ),
+    row!("interpolator.step_segment_s", "Step segment", value Second (0.0, 1.0) [interpolator.step_segment] or 0.0,
+        "Time for which the step timer holds one feedrate within a block: ramps become stairs, and each block lasts as long as without; grbl: 0.01. 0: ramps are continuous."),
     row!("interpolator.corners_planned_by", "Corners are planned by", choice CornerPlanning [interpolator.planned_by],
         "Feedrate by which the control plans corners of short blocks: the feedrate at which blocks arrive, or the programmed feedrate."),
 ];

@@ -29,7 +29,10 @@ pub use handle::Handle;
 pub use junction::Junction;
 pub use parameter::{Access, Parameter};
 pub use parameters::{PARAMETERS, parameter};
-pub use planner::{CHORD_ERROR_RATIOS, FREE_BLEND_MM, KLIPPER_MIN_CRUISE_RATIO, PLANNER_FILTER_S, Planner};
+pub use planner::{
+    CHORD_ERROR_RATIOS, FREE_BLEND_MM, GRBL_STEP_SEGMENT_S, KLIPPER_MIN_CRUISE_RATIO, PLANNER_FILTER_S,
+    Planner,
+};
 pub use presets::{Preset, presets};
 pub use times::{FunctionTimes, MCodeGroup, SpindleDirection, SpindleState, SpindleTimes};
 pub use tolerance::{
@@ -125,6 +128,8 @@ pub struct Interpolator {
     pub block_time: f64,
     /// Look-ahead, blocks; neutral infinite.
     pub look_ahead: f64,
+    /// Time for which the step timer holds one feedrate within a block, s; neutral 0: it follows every ramp.
+    pub step_segment: f64,
     /// Feedrate by which corners are planned if block processing limits the feedrate.
     pub planned_by: CornerPlanning,
     /// Largest distance of points from a line that replaces the lines between them, mm; 0 merges none;
@@ -488,6 +493,7 @@ impl Default for Machine {
                 minimum_cruise_ratio: 0.0,
                 block_time: 0.0,
                 look_ahead: f64::INFINITY,
+                step_segment: 0.0,
                 planned_by: CornerPlanning::Supply,
                 path_smoothing: None,
                 corner_smoothing: 0.0,

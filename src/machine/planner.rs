@@ -35,6 +35,8 @@ const GRBL_CHORD_ERROR_MM: f64 = 0.002;
 pub const CHORD_ERROR_RATIOS: [f64; 2] = [0.2, 5.0];
 /// Blocks that grbl plans ahead by default.
 const GRBL_LOOK_AHEAD: f64 = 15.0;
+/// Time for which the step timer of grbl holds one feedrate, s (`DT_SEGMENT`).
+pub const GRBL_STEP_SEGMENT_S: f64 = 0.01;
 /// Default square-corner velocity of Klipper, mm/s.
 const KLIPPER_SQUARE_CORNER_MM_S: f64 = 5.0;
 /// Default length of the chords of arcs in Klipper, mm.
@@ -88,6 +90,7 @@ impl Machine {
                 self.interpolator.junction = Junction::Deviation(GRBL_JUNCTION_DEVIATION_MM);
                 self.interpolator.arc_chords = ArcChords::Within(GRBL_CHORD_ERROR_MM);
                 self.interpolator.look_ahead = self.interpolator.look_ahead.min(GRBL_LOOK_AHEAD);
+                self.interpolator.step_segment = GRBL_STEP_SEGMENT_S;
                 self.axes.iter_mut().for_each(|axis| limit(&mut axis.acceleration));
             }
             Planner::SquareCorner => {

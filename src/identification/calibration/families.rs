@@ -11,7 +11,7 @@ use crate::identification::effects::parameters::{
     JUNCTION_RATIOS, MAX_OVERRIDE, PATH_JERK, PLANNER_ACCELERATION,
 };
 use crate::identification::fit::{Run, Whitening};
-use crate::machine::{Junction, KLIPPER_MIN_CRUISE_RATIO, Machine, Planner};
+use crate::machine::{GRBL_STEP_SEGMENT_S, Junction, KLIPPER_MIN_CRUISE_RATIO, Machine, Planner};
 
 /// Initial values of the minimum cruise ratio in fits: Klipper's default, and a small value, because a fit does not free a
 /// ratio of 0.
@@ -183,10 +183,12 @@ fn has_junction_law(machine: &Machine) -> bool {
     matches!(machine.interpolator.junction, Junction::Deviation(_) | Junction::SquareCorner(_))
 }
 
-/// Returns the machine with another way to blend corners, or with other steps of its axes, if that is nearer to the runs;
+/// Returns the machine with another way to blend corners, or with other steps or step segments, if that is nearer to the runs;
 /// `None` if none is nearer.
 pub fn chosen_again(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Option<Machine> {
-    let others = with_other_blends(machine).into_iter().chain(with_and_without_steps(machine, runs));
+    let stepped = with_and_without_steps(machine, runs);
+    let others =
+        with_other_blends(machine).into_iter().chain(stepped.iter().flat_map(with_and_without_segments));
     let others: Vec<Machine> = others.filter(|other| other != machine).collect();
     if others.is_empty() {
         return None;
@@ -217,6 +219,20 @@ fn with_and_without_steps(machine: &Machine, runs: &[Run]) -> Vec<Machine> {
     let mut both = vec![with_steps([0, 1, 2].map(common)), with_steps([0.0; 3])];
     both.dedup();
     both
+}
+
+/// Returns a planner with a junction deviation both with the step segments of grbl and without segments; other planners are
+/// returned alone.
+fn with_and_without_segments(machine: &Machine) -> Vec<Machine> {
+    if !matches!(machine.interpolator.junction, Junction::Deviation(_)) {
+        return vec![machine.clone()];
+    }
+    let with_segment = |segment: f64| {
+        let mut machine = machine.clone();
+        machine.interpolator.step_segment = segment;
+        machine
+    };
+    vec![with_segment(GRBL_STEP_SEGMENT_S), with_segment(0.0)]
 }
 
 /// Returns the machine with each other way to blend corners; none if it does not blend corners in time.

@@ -60,6 +60,7 @@ mod reach;
 pub mod time_scaling;
 mod smoothing;
 mod rest_to_rest;
+mod step_segments;
 mod substitute;
 mod tolerances;
 
