@@ -29,7 +29,7 @@ impl CornerPlanning {
 }
 
 /// The rows of block supply.
-pub const BLOCK_SUPPLY: [Parameter; 4] = [
+pub const BLOCK_SUPPLY: [Parameter; 5] = [
     row!("interpolator.block_time_s", "Block processing time", value Second (0.0, 1.0) [interpolator.block_time] or 0.0,
         "Shortest time of a block. 0: no such limit."),
     row!(
@@ -44,6 +44,8 @@ pub const BLOCK_SUPPLY: [Parameter; 4] = [
     ),
     row!("interpolator.step_segment_s", "Step segment", value Second (0.0, 1.0) [interpolator.step_segment] or 0.0,
         "Time for which the step timer holds one feedrate within a block: ramps become stairs, and each block lasts as long as without; grbl: 0.01. 0: ramps are continuous."),
+    row!("interpolator.step_timer_hz", "Step timer", limit Hertz (1e4, 1e10) [interpolator.step_timer],
+        "Frequency of the timer that steps the motors in step segments: each tick takes one cycle more than planned, with axis.x.step_mm; grbl on an Arduino: 16000000. Empty: it is exact."),
     row!("interpolator.corners_planned_by", "Corners are planned by", choice CornerPlanning [interpolator.planned_by],
         "Feedrate by which the control plans corners of short blocks: the feedrate at which blocks arrive, or the programmed feedrate."),
 ];

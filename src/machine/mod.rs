@@ -30,8 +30,8 @@ pub use junction::Junction;
 pub use parameter::{Access, Parameter};
 pub use parameters::{PARAMETERS, parameter};
 pub use planner::{
-    CHORD_ERROR_RATIOS, FREE_BLEND_MM, GRBL_STEP_SEGMENT_S, KLIPPER_MIN_CRUISE_RATIO, PLANNER_FILTER_S,
-    Planner,
+    CHORD_ERROR_RATIOS, FREE_BLEND_MM, GRBL_STEP_SEGMENT_S, GRBL_STEP_TIMER_HZ, KLIPPER_MIN_CRUISE_RATIO,
+    PLANNER_FILTER_S, Planner,
 };
 pub use presets::{Preset, presets};
 pub use times::{FunctionTimes, MCodeGroup, SpindleDirection, SpindleState, SpindleTimes};
@@ -130,6 +130,8 @@ pub struct Interpolator {
     pub look_ahead: f64,
     /// Time for which the step timer holds one feedrate within a block, s; neutral 0: it follows every ramp.
     pub step_segment: f64,
+    /// Frequency of the step timer, which takes one cycle more for each tick, Hz; neutral infinite: it is exact.
+    pub step_timer: f64,
     /// Feedrate by which corners are planned if block processing limits the feedrate.
     pub planned_by: CornerPlanning,
     /// Largest distance of points from a line that replaces the lines between them, mm; 0 merges none;
@@ -494,6 +496,7 @@ impl Default for Machine {
                 block_time: 0.0,
                 look_ahead: f64::INFINITY,
                 step_segment: 0.0,
+                step_timer: f64::INFINITY,
                 planned_by: CornerPlanning::Supply,
                 path_smoothing: None,
                 corner_smoothing: 0.0,

@@ -37,6 +37,8 @@ pub const CHORD_ERROR_RATIOS: [f64; 2] = [0.2, 5.0];
 const GRBL_LOOK_AHEAD: f64 = 15.0;
 /// Time for which the step timer of grbl holds one feedrate, s (`DT_SEGMENT`).
 pub const GRBL_STEP_SEGMENT_S: f64 = 0.01;
+/// Frequency of the step timer of grbl on the boards that it was written for, Hz.
+pub const GRBL_STEP_TIMER_HZ: f64 = 16e6;
 /// Default square-corner velocity of Klipper, mm/s.
 const KLIPPER_SQUARE_CORNER_MM_S: f64 = 5.0;
 /// Default length of the chords of arcs in Klipper, mm.
@@ -91,6 +93,7 @@ impl Machine {
                 self.interpolator.arc_chords = ArcChords::Within(GRBL_CHORD_ERROR_MM);
                 self.interpolator.look_ahead = self.interpolator.look_ahead.min(GRBL_LOOK_AHEAD);
                 self.interpolator.step_segment = GRBL_STEP_SEGMENT_S;
+                self.interpolator.step_timer = GRBL_STEP_TIMER_HZ;
                 self.axes.iter_mut().for_each(|axis| limit(&mut axis.acceleration));
             }
             Planner::SquareCorner => {

@@ -496,7 +496,7 @@ mod tests {
         assert!((lattice(&z([0, 2, 5, 5, 9])) - 0.004).abs() < 1e-9);
         assert!((lattice(&z([0, 6, 6, 2, 12])) - 0.008).abs() < 1e-9, "all changes are even");
         assert_eq!(lattice(&[3.0; 4]), 0.0);
-        let rounded = z([0, 2, 7, 7, 9]).map(|mm| mm + 30.0 + 3e-7 * (1e3 * mm).sin());
+        let rounded = z([0, 2, 7, 7, 9]).map(|mm| mm + 30.0 + 2e-9 * (1e3 * mm).sin());
         assert_eq!(lattice(&rounded), 0.004, "a whole number of steps in a millimetre");
         let free: Vec<f64> = (0..50).map(|row| (0.3 * f64::from(row)).sin()).collect();
         assert_eq!(lattice(&free), 0.0);

@@ -11,7 +11,9 @@ use crate::identification::effects::parameters::{
     JUNCTION_RATIOS, MAX_OVERRIDE, PATH_JERK, PLANNER_ACCELERATION,
 };
 use crate::identification::fit::{Run, Whitening};
-use crate::machine::{GRBL_STEP_SEGMENT_S, Junction, KLIPPER_MIN_CRUISE_RATIO, Machine, Planner};
+use crate::machine::{
+    GRBL_STEP_SEGMENT_S, GRBL_STEP_TIMER_HZ, Junction, KLIPPER_MIN_CRUISE_RATIO, Machine, Planner,
+};
 
 /// Initial values of the minimum cruise ratio in fits: Klipper's default, and a small value, because a fit does not free a
 /// ratio of 0.
@@ -221,18 +223,19 @@ fn with_and_without_steps(machine: &Machine, runs: &[Run]) -> Vec<Machine> {
     both
 }
 
-/// Returns a planner with a junction deviation both with the step segments of grbl and without segments; other planners are
-/// returned alone.
+/// Returns a planner with a junction deviation with the step segments and the timer of grbl, with an exact timer, and without
+/// segments; other planners are returned alone.
 fn with_and_without_segments(machine: &Machine) -> Vec<Machine> {
     if !matches!(machine.interpolator.junction, Junction::Deviation(_)) {
         return vec![machine.clone()];
     }
-    let with_segment = |segment: f64| {
+    let with_timer = |(segment, frequency): (f64, f64)| {
         let mut machine = machine.clone();
-        machine.interpolator.step_segment = segment;
+        (machine.interpolator.step_segment, machine.interpolator.step_timer) = (segment, frequency);
         machine
     };
-    vec![with_segment(GRBL_STEP_SEGMENT_S), with_segment(0.0)]
+    let exact = [(GRBL_STEP_SEGMENT_S, f64::INFINITY), (0.0, f64::INFINITY)];
+    [(GRBL_STEP_SEGMENT_S, GRBL_STEP_TIMER_HZ)].into_iter().chain(exact).map(with_timer).collect()
 }
 
 /// Returns the machine with each other way to blend corners; none if it does not blend corners in time.

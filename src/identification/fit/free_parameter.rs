@@ -55,8 +55,7 @@ pub struct FreeParameter {
     pub is_linear: bool,
     /// Exactness with which a machine can have the value.
     pub exactness: Exactness,
-    /// What is known of the value before any run: the expected value and its standard deviation, core units; `None` if
-    /// nothing is.
+    /// Expected value before any run, and its standard deviation, core units; `None` if no value is expected.
     pub prior: Option<(f64, f64)>,
     set: Setter,
 }

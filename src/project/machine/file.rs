@@ -351,7 +351,7 @@ tool_change_s = 4.0
         );
         assert_eq!(
             fault(&SMALL.replace("0.0255", "nan")),
-            "line 5, column 19: interpolator.time_constant_s: NaN is outside 0.0001 to 2 s"
+            "line 5, column 19: interpolator.time_constant_s: NaN is outside 0.00001 to 2 s"
         );
         assert_eq!(
             fault(&SMALL.replace("feed_mm_min = 12000", "")),

@@ -28,7 +28,7 @@ use crate::simulation::feed::junction::{self, CornerTurn};
 use crate::simulation::feed::parabola;
 use crate::simulation::feed::ramp::Ramp;
 use crate::simulation::feed::smoothing;
-use crate::simulation::feed::step_segments::in_segments;
+use crate::simulation::feed::step_segments::StepTimer;
 use crate::simulation::feed::{
     CornerPolicy, FeedPlan, Phase, Pulse, Pulses, RestToRest, SegmentTolerance, is_stopped_by_mode,
     is_unqueued_arc, limits, positioning, stands_before, turns_may_stop,
@@ -535,10 +535,10 @@ impl MotionPlanner<'_> {
                 offset += duration * 0.5 * (first + last);
             }
         };
-        let segment = self.machine.interpolator.step_segment;
-        let mut run = |parts: &mut dyn Iterator<Item = BlockPart>| match segment {
-            0.0 => parts.for_each(&mut add),
-            _ => in_segments(parts, segment).into_iter().for_each(&mut add),
+        let timer = StepTimer::of(self.machine, || self.segment(i).tangent(0.0));
+        let mut run = |parts: &mut dyn Iterator<Item = BlockPart>| match timer {
+            None => parts.for_each(&mut add),
+            Some(timer) => timer.run(parts).into_iter().for_each(&mut add),
         };
         match self.ramp(i) {
             Some(ramp) => {
