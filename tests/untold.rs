@@ -6,7 +6,7 @@ use truefeed::identification::diagnosis::{Diagnosis, ModelError, Verdict, diagno
 use truefeed::identification::fit::Run;
 use truefeed::identification::measured::calibrated_on;
 use truefeed::identification::recording;
-use truefeed::machine::{Junction, Machine};
+use truefeed::machine::{Junction, Machine, Planner};
 use truefeed::project::{DiagnosisReport, machine_from_toml};
 use truefeed::quote::{UnshownFeature, range};
 use truefeed::simulation::gcode::read;
@@ -54,12 +54,17 @@ fn traced(program: &str) -> Toolpath {
 
 /// The program as a machine runs it, every 4 ms, aligned.
 fn recorded(toolpath: &Toolpath, machine: &Machine) -> Alignment {
+    recorded_by_clock(toolpath, machine, 1.0)
+}
+
+/// The same by a clock of a rate, as a ratio to the true time.
+fn recorded_by_clock(toolpath: &Toolpath, machine: &Machine, rate: f64) -> Alignment {
     let plan = simulate(toolpath, machine);
     let profile = Profile::new(toolpath, &plan);
     let row = |sample: u32| {
         let time = 0.004 * f64::from(sample);
         let p = profile.at_time(time).position;
-        format!("{time:.3},{:.4},{:.4},{:.4}\n", p.x, p.y, p.z)
+        format!("{:.7},{:.4},{:.4},{:.4}\n", rate * time, p.x, p.y, p.z)
     };
     let rows = (0..=(profile.cycle_time() / 0.004) as u32).map(row);
     let csv: String = ["t_s,x_mm,y_mm,z_mm\n".to_string()].into_iter().chain(rows).collect();
@@ -93,6 +98,29 @@ fn diagnosed(machine: &Machine, program: &str, truth: &Machine) -> Diagnosis {
     let toolpath = traced(program);
     let alignment = recorded(&toolpath, truth);
     diagnose(machine, &[run(&toolpath, &alignment)], &mut |_| {})
+}
+
+/// A planner that limits the acceleration along the path, and that of Z no lower.
+#[test]
+fn neither_a_clock_that_is_off_nor_a_limit_of_an_axis_that_holds_nothing_is_an_acceleration() {
+    let mut truth = believed();
+    truth.become_planner(Planner::SquareCorner, 600.0);
+    let square = |at: u32| {
+        let (side, feed) = (3 + at % 7, 900 + 700 * (at % 4));
+        format!("G1 X{side} F{feed}\nY{side}\nZ-{at}\nX0\nY0\n")
+    };
+    let program = format!("G21 G90\nG0 Z5\nG0 Z0\n{}M30\n", (1..=24).map(square).collect::<String>());
+    let toolpath = traced(&program);
+    let alignment = recorded_by_clock(&toolpath, &truth, 1.0006);
+    let calibration = calibrate(&believed(), &[run(&toolpath, &alignment)], &mut |_| {});
+    let machine = &calibration.machine;
+    assert!((machine.path.acceleration / 600.0 - 1.0).abs() < 5e-4, "{} mm/s²", machine.path.acceleration);
+    assert!((machine.recorder.clock_ratio - 1.0006).abs() < 5e-5, "{}", machine.recorder.clock_ratio);
+    let deviation = |key: &str| {
+        calibration.estimates.iter().find(|estimate| estimate.key == key).and_then(|own| own.deviation)
+    };
+    assert!(deviation("path.acceleration_mm_s2").is_some_and(|own| own < 3.0));
+    assert_eq!(deviation("axis.z.acceleration_mm_s2"), None);
 }
 
 #[test]
