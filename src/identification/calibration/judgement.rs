@@ -76,7 +76,8 @@ impl Fitting<'_> {
     }
 
     /// Puts back the values that the runs do not contradict, the least contradicted first. A value that was put
-    /// back remains so while the others are judged. The rate of a clock is not put back: no machine file states that the clock is right.
+    /// back remains so while the others are judged. The rate of a clock is not put back: no machine file states that the
+    /// clock is right.
     fn put_back_doubtful(&mut self, model: &Model, judgement: &mut Judgement) {
         let best = &model.best;
         let doubt = |at: usize| (best.values[at] - judgement.all[at].1).abs() / best.deviations[at];

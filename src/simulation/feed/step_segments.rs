@@ -37,7 +37,7 @@ const SMOOTHING_LEVELS: [(f64, f64); 3] = [(8000.0, 8.0), (4000.0, 4.0), (2000.0
 pub struct StepTimer {
     /// Time of a segment, s; positive.
     segment: f64,
-    /// Cycles of the timer for each mm/s and mm: n / f, s/mm; 0 for an exact timer.
+    /// Time of one cycle for each step along the path: n / f, s/mm; 0 for an exact timer.
     cycle_per_distance: f64,
 }
 
@@ -94,9 +94,12 @@ impl StepTimer {
         while run < duration {
             let whole = duration - (duration - run) % segment;
             // Whole segments of one feedrate are as good as one.
-            let until = match !is_ramp && open.duration == 0.0 && run < whole {
-                true => whole,
-                false => (run + segment - open.duration).clamp(run, duration),
+            let until = if is_ramp || 0.0 < open.duration {
+                (run + segment - open.duration).clamp(run, duration)
+            } else if run < whole {
+                whole
+            } else {
+                duration
             };
             open.duration += until - run;
             open.distance += distance(run, until);
