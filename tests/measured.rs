@@ -19,8 +19,10 @@ const MACHINE: &str = include_str!("data/machines/grbl.toml");
 /// What an M8 takes, s.
 const COOLANT: f64 = 1.5;
 
+/// grbl without its step segments: the laws are those of continuous ramps.
 fn machine() -> Machine {
     let mut machine = machine_from_toml(MACHINE).expect("a machine file");
+    machine.interpolator.step_segment = 0.0;
     machine.times.m_codes.insert(8, COOLANT);
     machine
 }

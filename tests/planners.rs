@@ -36,13 +36,13 @@ const CONTROLS: [Control; 3] = [
         folder: "grbl",
         machine: include_str!("data/machines/grbl.toml"),
         name: "grbl",
-        found: "junction deviation 0.0099 mm (0.010)",
+        found: "junction deviation 0.0101 mm (0.010)",
     },
     Control {
         folder: "klipper",
         machine: include_str!("data/machines/klipper.toml"),
         name: "Klipper",
-        found: "square-corner velocity 303 mm/min (300), path acceleration 500 mm/s² (500)",
+        found: "square-corner velocity 300 mm/min (300), path acceleration 500 mm/s² (500)",
     },
     Control {
         folder: "linuxcnc",
