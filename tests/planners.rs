@@ -8,7 +8,7 @@ use truefeed::identification::calibration::calibrate;
 use truefeed::identification::diagnosis::{ModelError, Verdict, diagnose};
 use truefeed::identification::fit::Run;
 use truefeed::identification::recording::{self, Recording};
-use truefeed::machine::{Junction, Machine};
+use truefeed::machine::{Junction, Machine, Planner};
 use truefeed::project::machine_from_toml;
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::gcode::read;
@@ -233,5 +233,18 @@ fn rapids_that_a_minimum_cruise_ratio_holds_back_do_not_show_their_rate() {
     for (other, _, file) in &runs {
         let error = simulate(other, &machine).cycle_time() / motion_time(file) - 1.0;
         assert!(error.abs() < ELSEWHERE, "{}: {error}", file.display());
+    }
+}
+
+/// A move from rest to rest takes its ramps and no filter.
+#[test]
+fn a_stop_of_a_stepper_lasts_no_longer_than_its_ramps() {
+    for planner in [Planner::JunctionDeviation, Planner::SquareCorner] {
+        let mut machine = Machine::default();
+        machine.become_planner(planner, 500.0);
+        let toolpath = trace(&read(b"G1 X10 F3000\nG4 P0\nX0\n"), &machine);
+        // 50 mm/s at 500 mm/s² over 10 mm takes 0.3 s.
+        let seconds = simulate(&toolpath, &machine).cycle_time();
+        assert!((seconds - 0.6).abs() < 1e-4, "{planner:?}: {seconds} s");
     }
 }

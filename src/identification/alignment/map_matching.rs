@@ -153,13 +153,13 @@ impl Track {
         }
         let columns = columns
             .map(|column| column.map(|column| kept.iter().map(|row| column[*row]).collect::<Vec<f64>>()));
-        let mut noises: Vec<f64> =
-            columns.iter().flatten().map(|column| noise_and_rounding(column)).collect();
+        let steps = columns.each_ref().map(|column| column.as_ref().map_or(0.0, |column| lattice(column)));
+        let recorded = columns.iter().zip(steps).filter_map(|(column, step)| Some((column.as_ref()?, step)));
+        let mut noises: Vec<f64> = recorded.map(|(column, step)| noise_and_rounding(column, step)).collect();
         noises.sort_by(f64::total_cmp);
         let noise = noises.last().copied().unwrap_or(0.0).max(MIN_NOISE_MM);
         let mut intervals: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let interval = median(&mut intervals);
-        let steps = columns.each_ref().map(|column| column.as_ref().map_or(0.0, |column| lattice(column)));
         Some(Track { time, position, recorded: axes.each_ref().map(Option::is_some), noise, interval, steps })
     }
 
@@ -437,10 +437,10 @@ fn on_stamps(channel: &Channel<f64>, time: &[f64]) -> Vec<f64> {
     time.iter().map(&mut value).collect()
 }
 
-/// Returns the standard deviation of the noise of a column, mm, no less than half the step of a lattice that its
+/// Returns the standard deviation of the noise of a column, mm, no less than half the `step` (mm) of a lattice that its
 /// values lie on.
-fn noise_and_rounding(column: &[f64]) -> f64 {
-    noise(column).min(0.05).max(0.5 * lattice(column).min(0.01))
+fn noise_and_rounding(column: &[f64], step: f64) -> f64 {
+    noise(column).min(0.05).max(0.5 * step.min(0.01))
 }
 
 /// Returns the largest distance of which all changes of a column are multiples, mm; 0 if there is none.

@@ -20,9 +20,9 @@ use crate::machine::{Machine, TimeConstants};
 /// Initial value of the dwell excess in a fit, s: half the cycle of a 10 ms task.
 const INITIAL_DWELL_EXCESS_S: f64 = 0.005;
 
-/// Standard deviation of the rate of the recorder's clock compared with the control's: a computer that follows no other
-/// clock is off by 2e-4, and grbl, whose timer counts one cycle of 62.5 ns more for each step, by 5e-4 to 1.2e-3.
-const CLOCK_DEVIATION_RATIO: f64 = 5e-4;
+/// Standard deviation of the rate of the recorder's clock to that of the control's before any run, as a ratio: a computer
+/// that follows no other clock is off by 2e-4, and a step timer that the simulation lacks by 5e-4 to 1.2e-3.
+const EXPECTED_CLOCK_DEVIATION_RATIO: f64 = 5e-4;
 
 /// The common input of all fits of a calibration.
 pub struct Fitting<'a> {
@@ -169,7 +169,7 @@ impl<'a> Fitting<'a> {
         all.extend(spindle_ramp(self.machine, start));
         if self.runs.iter().all(|run| polled(run).is_none()) {
             let [own, from] = [self.machine, start].map(|machine| machine.recorder.clock_ratio);
-            let clock = CLOCK_RATIO.calibrated(from).linear().expected(own, CLOCK_DEVIATION_RATIO);
+            let clock = CLOCK_RATIO.calibrated(from).linear().expected(own, EXPECTED_CLOCK_DEVIATION_RATIO);
             all.push((clock, own));
         }
         all.extend(self.waits.iter().map(|(freed, value)| {

@@ -202,7 +202,7 @@ pub fn chosen_again(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -
 /// Returns a planner with a junction deviation both with the steps of the recorded positions, which may be those of its
 /// motors or the resolution of the recorder, and without steps; other planners are returned alone.
 fn with_and_without_steps(machine: &Machine, runs: &[Run]) -> Vec<Machine> {
-    if !matches!(machine.interpolator.junction, Junction::Deviation(_)) {
+    if !plans_by_deviation(machine) {
         return vec![machine.clone()];
     }
     let recorded: Vec<[f64; 3]> =
@@ -223,10 +223,15 @@ fn with_and_without_steps(machine: &Machine, runs: &[Run]) -> Vec<Machine> {
     both
 }
 
+/// Returns `true` if a junction deviation limits corners, as in grbl.
+fn plans_by_deviation(machine: &Machine) -> bool {
+    matches!(machine.interpolator.junction, Junction::Deviation(_))
+}
+
 /// Returns a planner with a junction deviation with the step segments and the timer of grbl, with an exact timer, and without
 /// segments; other planners are returned alone.
 fn with_and_without_segments(machine: &Machine) -> Vec<Machine> {
-    if !matches!(machine.interpolator.junction, Junction::Deviation(_)) {
+    if !plans_by_deviation(machine) {
         return vec![machine.clone()];
     }
     let with_timer = |(segment, frequency): (f64, f64)| {
@@ -234,8 +239,8 @@ fn with_and_without_segments(machine: &Machine) -> Vec<Machine> {
         (machine.interpolator.step_segment, machine.interpolator.step_timer) = (segment, frequency);
         machine
     };
-    let exact = [(GRBL_STEP_SEGMENT_S, f64::INFINITY), (0.0, f64::INFINITY)];
-    [(GRBL_STEP_SEGMENT_S, GRBL_STEP_TIMER_HZ)].into_iter().chain(exact).map(with_timer).collect()
+    let grbl = (GRBL_STEP_SEGMENT_S, GRBL_STEP_TIMER_HZ);
+    [grbl, (GRBL_STEP_SEGMENT_S, f64::INFINITY), (0.0, f64::INFINITY)].map(with_timer).to_vec()
 }
 
 /// Returns the machine with each other way to blend corners; none if it does not blend corners in time.

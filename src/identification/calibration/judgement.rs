@@ -76,14 +76,14 @@ impl Fitting<'_> {
     }
 
     /// Puts back the values that the runs do not contradict, the least contradicted first. A value that was put
-    /// back remains so while the others are judged. The rate of a clock is not put back: no machine file states that the
-    /// clock is right.
+    /// back remains so while the others are judged. A parameter with an expected value is
+    /// not put back, because the fit already weighs that value.
     fn put_back_doubtful(&mut self, model: &Model, judgement: &mut Judgement) {
         let best = &model.best;
         let doubt = |at: usize| (best.values[at] - judgement.all[at].1).abs() / best.deviations[at];
         let mut doubtful: Vec<usize> = (0..judgement.all.len())
             .filter(|at| judgement.verdicts[*at] == ParameterVerdict::Fitted)
-            .filter(|at| judgement.all[*at].0.exactness != Exactness::Exact)
+            .filter(|at| judgement.all[*at].0.prior.is_none())
             .filter(|at| {
                 (best.values[*at] - judgement.all[*at].1).abs()
                     < MAX_DOUBTFUL_DEVIATIONS * best.deviations[*at]

@@ -71,8 +71,6 @@ const MOST_UNCERTAIN: f64 = 0.5;
 const MAX_POLLED_WAIT_DEVIATION_S: f64 = 5.0;
 /// Increase of the cost from which the runs contradict going back to a value: two standard deviations.
 const MIN_CONTRADICTING_COST: f64 = 4.0;
-/// Largest difference between two values that agree, in standard deviations of one of them.
-const MAX_AGREEING_DEVIATIONS: f64 = 2.0;
 /// Difference between a fitted value and the one before, in standard deviations, from which going back is not
 /// tried.
 const MAX_DOUBTFUL_DEVIATIONS: f64 = 5.0;
@@ -173,7 +171,8 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let is_untold = |freed: &FreeParameter, value: f64, deviation: f64| {
         let of_axis = motion::axis_of(freed);
         // An acceleration of an axis that is as high as that along the path limits nothing.
-        of_axis.is_some_and(|axis| untold[axis] || of_path < value + MAX_AGREEING_DEVIATIONS * deviation)
+        of_axis
+            .is_some_and(|axis| untold[axis] || of_path < value + MIN_CONTRADICTING_COST.sqrt() * deviation)
             || motion::rapid_axis_of(freed).is_some_and(|axis| assumed_rapids[axis])
     };
     let mut fitted = last.values.iter().zip(&last.deviations);

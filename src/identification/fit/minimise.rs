@@ -78,7 +78,7 @@ impl FitProblem<'_> {
         DVector::from_iterator(self.freed.len(), start)
     }
 
-    /// Returns the whitened residuals of each run, followed by those of the values that have an expected value.
+    /// Returns the whitened residuals of each run and, after them, one residual for each parameter with an expected value.
     fn whitened(&self, varied: &DVector<f64>) -> Vec<Vec<f64>> {
         let values: Vec<f64> = self
             .freed

@@ -253,6 +253,17 @@ mod tests {
     }
 
     #[test]
+    fn half_steps_round_away_from_zero_whatever_the_last_bit_of_the_number() {
+        for steps in [0.5, 996.5, 24_999.5] {
+            for factor in [1.0 - 1e-12, 1.0, 1.0 + 1e-12] {
+                assert_eq!(nearest_whole(steps * factor), steps + 0.5);
+                assert_eq!(nearest_whole(-steps * factor), -steps - 0.5);
+            }
+        }
+        assert_eq!([0.0, 0.49, 2.51].map(nearest_whole), [0.0, 0.0, 3.0]);
+    }
+
+    #[test]
     fn a_circle_has_as_many_chords_as_the_control_makes() {
         for (rule, expected) in [
             (ArcChords::Within(0.002), (TAU * 5.0 / (2.0 * (0.002 * 9.998f64).sqrt())) as usize),

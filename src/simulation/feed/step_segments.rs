@@ -1,4 +1,4 @@
-//! Step segments: pieces of constant feedrate by which a control with a step timer runs the ramps of a block.
+//! Step segments: the short times of constant feedrate in which a step timer runs the ramps of a block.
 //!
 //! The planner of grbl gives each block a trapezoid of the feedrate v(t), but the step timer runs it in segments of a
 //! fixed time τ (s), each at the mean of v over it:
@@ -63,9 +63,7 @@ impl StepTimer {
             };
             (0..3).map(of_axis).fold(0.0, f64::max)
         };
-        let cycle_per_distance =
-            if frequency.is_finite() { steps_per_mm(direction()) / frequency } else { 0.0 };
-        Some(StepTimer { segment, cycle_per_distance })
+        Some(StepTimer { segment, cycle_per_distance: steps_per_mm(direction()) / frequency })
     }
 
     /// Returns the parts of the block in segments.
@@ -114,14 +112,14 @@ impl StepTimer {
     fn end(self, open: &mut OpenSegment, segments: &mut Vec<BlockPart>) {
         let OpenSegment { duration, distance } = std::mem::take(open);
         if 0.0 < duration {
-            let longer = self.lateness(distance / duration);
-            let mean = distance / (longer * duration);
-            segments.push((longer * duration, mean, mean));
+            let duration = duration * self.duration_ratio(distance / duration);
+            let mean = distance / duration;
+            segments.push((duration, mean, mean));
         }
     }
 
-    /// Returns the factor by which a segment of a feedrate (mm/s) lasts longer.
-    fn lateness(self, feedrate: f64) -> f64 {
+    /// Returns the ratio of the duration of a segment to its planned duration; `feedrate` is its planned feedrate, mm/s.
+    fn duration_ratio(self, feedrate: f64) -> f64 {
         let per_step = feedrate * self.cycle_per_distance;
         let ticks =
             SMOOTHING_LEVELS.iter().find(|(from, _)| from * per_step <= 1.0).map_or(1.0, |level| level.1);
@@ -200,8 +198,8 @@ mod tests {
         let (time, _) = totals(&timer.run([(0.4, 10.0, 10.0)]));
         assert!((time - 4000.0 * 1601.0 / 16e6).abs() < 1e-12, "{time} s");
         let diagonal = along(Vector::new(0.6, -0.8, 0.0));
-        assert!((diagonal.lateness(50.0) - (1.0 + 0.8 / 1280.0)).abs() < 1e-12);
+        assert!((diagonal.duration_ratio(50.0) - (1.0 + 0.8 / 1280.0)).abs() < 1e-12);
         machine.axes.iter_mut().for_each(|axis| axis.step = 0.0);
-        assert_eq!(StepTimer::of(&machine, Vector::x).map(|timer| timer.lateness(50.0)), Some(1.0));
+        assert_eq!(StepTimer::of(&machine, Vector::x).map(|timer| timer.duration_ratio(50.0)), Some(1.0));
     }
 }
