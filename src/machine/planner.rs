@@ -72,17 +72,14 @@ impl Machine {
     /// [`Planner::SquareCorner`], unless a limit is already lower.
     pub fn become_planner(&mut self, planner: Planner, acceleration: f64) {
         self.interpolator.filters = 1;
-        let filter = match planner {
-            Planner::AccelerationBlend => PLANNER_FILTER_S,
-            Planner::JunctionDeviation | Planner::SquareCorner => STEPPER_FILTER_S,
-        };
-        self.interpolator.time_constants = TimeConstants::Equal(filter);
-        // The planners of grbl and Klipper plan rapids and feed moves together; the others stop between them.
-        let stops = planner == Planner::AccelerationBlend;
-        self.rapid.time_constants = stops.then_some(TimeConstants::Equal(PLANNER_FILTER_S));
+        self.interpolator.time_constants = TimeConstants::Equal(STEPPER_FILTER_S);
+        // The planners of grbl and Klipper plan rapids and feed moves together; LinuxCNC stops between them.
+        self.rapid.time_constants = None;
         let limit = |own: &mut f64| *own = own.min(acceleration);
         match planner {
             Planner::AccelerationBlend => {
+                self.interpolator.time_constants = TimeConstants::Equal(PLANNER_FILTER_S);
+                self.rapid.time_constants = Some(TimeConstants::Equal(PLANNER_FILTER_S));
                 self.interpolator.junction = Junction::AccelerationBlend;
                 self.interpolator.contour_tolerance = FREE_BLEND_MM;
                 self.interpolator.look_ahead = self.interpolator.look_ahead.min(LINUXCNC_LOOK_AHEAD);
