@@ -107,8 +107,9 @@ impl RapidMove {
         let fastest = held.iter().map(Vector::norm).fold(0.0, f64::max);
         let windows =
             held.iter().filter(|held| (1.0 - PLATEAU_TOLERANCE_RATIO) * fastest <= held.norm()).count();
-        let samples = windows + 3 * self.window(track, error);
-        MAX_CRUISE_RATIO * self.length.norm() < samples as f64 * track.interval * fastest
+        // Each further window begins an interval later.
+        let intervals = windows.saturating_sub(1) + 3 * self.window(track, error);
+        MAX_CRUISE_RATIO * self.length.norm() < intervals as f64 * track.interval * fastest
     }
 
     /// Returns the shortest window, in samples, over which a velocity that the move holds differs from ramps that meet, and
@@ -305,6 +306,9 @@ mod tests {
         // Of a ramp for v/A at either end, half of the length is cruised in the same time.
         assert!(!exceeds(62.0, 3.0 * 62.0 / 730.0));
         assert!(exceeds(62.0, 5.0 * 62.0 / 730.0));
+        // However few samples there are.
+        assert!(!exceeds(29.2, 3.0 * 29.2 / 730.0));
+        assert!(exceeds(29.2, 5.0 * 29.2 / 730.0));
     }
 
     /// grbl runs segments of 10 ms at constant velocity.
