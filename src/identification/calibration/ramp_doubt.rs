@@ -10,14 +10,23 @@
 //! ```
 //!
 //! with the misfit of the ramps of the same axis. If the misfit of all ramps is above [`MAX_RAMP_MISFIT`](crate::machine::MAX_RAMP_MISFIT), the control follows
-//! another law; its accelerations are then no quantities of that control, and have no deviation.
+//! another law. Its accelerations, its jerk and the values of its junction law are then no quantities of that control, and
+//! have no deviation.
 
 use crate::identification::calibration::Estimate;
 use crate::identification::comparison::RampMisfit;
-use crate::identification::effects::parameters::{AXIS_ACCELERATION, PATH_ACCELERATION};
+use crate::identification::effects::parameters::{
+    AXIS_ACCELERATION, JUNCTION_DEVIATION, MINIMUM_CRUISE_RATIO, PATH_ACCELERATION, PATH_JERK,
+    SQUARE_CORNER_VELOCITY,
+};
 
-/// Returns an estimate whose deviation contains the misfit of ramps if it is an acceleration.
+/// Returns an estimate whose deviation contains the misfit of ramps if it is an acceleration, and that has none if it belongs
+/// to a law that the ramps contradict.
 pub fn doubted(estimate: Estimate, misfit: &RampMisfit) -> Estimate {
+    let of_laws = [JUNCTION_DEVIATION, SQUARE_CORNER_VELOCITY, MINIMUM_CRUISE_RATIO, PATH_JERK];
+    if of_laws.iter().any(|parameter| parameter.key == estimate.key) {
+        return Estimate { deviation: estimate.deviation.filter(|_| misfit.is_of_law()), ..estimate };
+    }
     let of_axis = AXIS_ACCELERATION.iter().position(|parameter| parameter.key == estimate.key);
     if of_axis.is_none() && estimate.key != PATH_ACCELERATION.key {
         return estimate;
@@ -55,9 +64,14 @@ mod tests {
     }
 
     #[test]
-    fn a_control_of_another_law_has_no_known_accelerations() {
-        let misfit = RampMisfit { of_path: Some(1.01 * MAX_RAMP_MISFIT), of_axes: [Some(0.0); 3] };
-        assert_eq!(deviation_of(AXIS_ACCELERATION[0].key, misfit), None);
-        assert_eq!(deviation_of("axis.x.rapid_mm_min", misfit), Some(3.0));
+    fn a_control_of_another_law_has_no_known_accelerations_nor_corners() {
+        let misfit =
+            |ratio: f64| RampMisfit { of_path: Some(ratio * MAX_RAMP_MISFIT), of_axes: [Some(0.0); 3] };
+        assert_eq!(deviation_of(AXIS_ACCELERATION[0].key, misfit(1.01)), None);
+        assert_eq!(deviation_of("axis.x.rapid_mm_min", misfit(1.01)), Some(3.0));
+        for own in [JUNCTION_DEVIATION, SQUARE_CORNER_VELOCITY, MINIMUM_CRUISE_RATIO, PATH_JERK] {
+            assert_eq!(deviation_of(own.key, misfit(1.01)), None);
+            assert_eq!(deviation_of(own.key, misfit(0.99)), Some(3.0));
+        }
     }
 }
