@@ -245,7 +245,9 @@ impl<'a> Fitting<'a> {
         let order = model.order;
         for start in assumed::starts(&self.parameters(order, &model.best.machine), &model.best) {
             let (best, whitenings) = self.fit_at_own_noise(&start, order, FTOL);
-            if best.cost < (1.0 - FTOL) * cost_of(&model.best.machine, self.runs, &whitenings) {
+            let [cost, before] =
+                [&best, &model.best].map(|fit| cost_of(&fit.machine, self.runs, &whitenings));
+            if cost < (1.0 - FTOL) * before {
                 *model = Model { best, whitenings, order };
             }
         }

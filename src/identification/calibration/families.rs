@@ -1,12 +1,12 @@
 //! Other families of controls: planners that ramp in trapezoids, for recordings that filters cannot explain.
 //!
 //! Filters ramp in a constant time, whatever the step; planners that are limited in acceleration ramp in Δv/a. Each
-//! family of [`Planner`] has a separate law of corners ([`crate::simulation::feed::junction`]). The guess of a
-//! family is the nearest of a grid: first of accelerations, the same for all axes, with rapids limited by each axis
-//! or along the path, then of the value of its law of corners. Rapids are as fast as their plateaus (`rapids`).
+//! family of [`Planner`] has a separate law of corners ([`crate::simulation::feed::junction`]). The guesses of a
+//! family are the nearest of a grid of accelerations, the same for all axes, and values of its law of corners, and the
+//! nearest with an acceleration beside that. Rapids are as fast as their plateaus (`rapids`).
 
-use crate::identification::calibration::nearest;
 use crate::identification::calibration::rapids::{RapidPlateaus, limit_feed_as_rapids};
+use crate::identification::calibration::{nearest, nearest_with_cost};
 use crate::identification::effects::parameters::{
     JUNCTION_RATIOS, MAX_OVERRIDE, PATH_JERK, PLANNER_ACCELERATION,
 };
@@ -18,10 +18,8 @@ use crate::machine::{
 /// Initial values of the minimum cruise ratio in fits: Klipper's default, and a small value, because a fit does not free a
 /// ratio of 0.
 const INITIAL_CRUISE_RATIOS: [f64; 2] = [KLIPPER_MIN_CRUISE_RATIO, 0.1];
-/// Factors for the fitted accelerations in a restart. They take the fit out of a local minimum.
-const RESTART_ACCELERATION_RATIOS: [f64; 3] = [0.6, 1.0, 1.6];
-/// Factors for the fitted value of the junction law in a restart.
-const RESTART_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
+/// Factors for the fitted value of the junction law of a planner that gets a jerk limit.
+const JERK_LIMIT_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
 /// Factors for the fitted accelerations of a planner that gets a jerk limit.
 const JERK_LIMIT_ACCELERATION_RATIOS: [f64; 3] = [1.0, 2.0, 4.0];
 /// Accelerations of all axes tried beside each jerk limit, mm/s²; the highest limits no ramp.
@@ -77,28 +75,62 @@ pub fn guesses(
         let ramps = PLANNER_ACCELERATION.guesses.iter().map(at);
         let grid: Vec<Vec<Machine>> =
             ramps.map(|of| with_rapids(planner, &of, machine, fitted, plateaus)).collect();
-        let scaled = |of: &Machine| JUNCTION_RATIOS.map(|ratio| of.with_scaled_junction(ratio));
         let nearest_ramps = nearest(grid.iter().flatten().cloned(), runs, whitenings);
-        let is_free = planner == Planner::AccelerationBlend && !keeps_tolerance;
-        // A blend that nothing bounds has no tolerance to scale.
-        let by_ramps = nearest_ramps
-            .and_then(|of| if is_free { Some(of) } else { nearest(scaled(&of), runs, whitenings) });
         match planner {
             Planner::AccelerationBlend => {
+                // A blend that nothing bounds has no tolerance to scale.
+                let scaled = |of: Machine| nearest(with_junctions(&of), runs, whitenings);
+                let by_ramps = if keeps_tolerance { nearest_ramps.and_then(scaled) } else { nearest_ramps };
                 let of = |found: Machine| nearest(with_circles(&found), runs, whitenings);
                 by_ramps.and_then(of).into_iter().collect()
             }
-            // Slow corners make up for steep ramps, so every second guess of both is also tried together.
             _ => {
-                let corners = |of: &Machine| scaled(of).into_iter().step_by(2);
-                let together = nearest(grid.iter().step_by(2).flatten().flat_map(corners), runs, whitenings);
-                let other = together.filter(|other| Some(other) != by_ramps.as_ref());
-                let at_steps = |of: Machine| with_and_without_steps(&of, runs);
-                by_ramps.into_iter().chain(other).flat_map(at_steps).collect::<Vec<_>>()
+                let near = nearest_ramps.map(|of| nearest_with_corners(&grid, &of, runs, whitenings));
+                near.into_iter()
+                    .flatten()
+                    .flat_map(|of| with_and_without_steps(&of, runs))
+                    .collect::<Vec<_>>()
             }
         }
     };
     candidates(&plain, plateaus).into_iter().flat_map(guess).collect()
+}
+
+/// Returns the planner of the nearest acceleration and junction value, and the nearest one with an acceleration beside that.
+/// Slow corners make up for steep ramps, so a fit from one side may end in a minimum that is not the least. `grid` has
+/// the machines of each acceleration, one for each way of rapids; `from` is one of them.
+fn nearest_with_corners(
+    grid: &[Vec<Machine>],
+    from: &Machine,
+    runs: &[Run],
+    whitenings: &[Whitening],
+) -> Vec<Machine> {
+    let Some(mut at) = grid.iter().position(|of| of.contains(from)) else { return Vec::new() };
+    let Some(way) = grid[at].iter().position(|of| of == from) else { return Vec::new() };
+    let mut tried: Vec<Option<(f64, Machine)>> = vec![None; grid.len()];
+    loop {
+        let around = at.saturating_sub(1)..(at + 2).min(grid.len());
+        for index in around.clone() {
+            let with_corners = || nearest_with_cost(with_junctions(&grid[index][way]), runs, whitenings);
+            tried[index] = tried[index].take().or_else(with_corners);
+        }
+        let cost = |index: &usize| tried[*index].as_ref().map_or(f64::INFINITY, |(cost, _)| *cost);
+        let mut by_cost: Vec<usize> = around.collect();
+        by_cost.sort_by(|one, other| cost(one).total_cmp(&cost(other)));
+        if by_cost[0] == at {
+            let both = by_cost.iter().take(2).filter_map(|index| tried[*index].take());
+            let mut both: Vec<Machine> = both.map(|(_, of)| of).collect();
+            // Accelerations above a limit of the machine are all that limit.
+            both.dedup();
+            return both;
+        }
+        at = by_cost[0];
+    }
+}
+
+/// Returns the planner with each value of its junction law that a calibration tries.
+fn with_junctions(planner: &Machine) -> Vec<Machine> {
+    JUNCTION_RATIOS.iter().map(|ratio| planner.with_scaled_junction(*ratio)).collect()
 }
 
 /// Returns the families to be tried: blends with a contour tolerance and without, square corners with each cruise
@@ -128,28 +160,6 @@ fn candidates(plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<Candidate
     candidates
 }
 
-/// Returns the nearest of a fitted planner with scaled corners, accelerations and cruise ratios; `None` if that is
-/// the planner itself or its family blends corners in time, whose ways [`chosen_again`] tries.
-pub fn beside_minimum(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Option<Machine> {
-    if !has_junction_law(machine) {
-        return None;
-    }
-    let junction = machine.interpolator.junction;
-    let own = machine.interpolator.minimum_cruise_ratio;
-    let others = if matches!(junction, Junction::SquareCorner(_)) { &INITIAL_CRUISE_RATIOS[..] } else { &[] };
-    let ratios = [own].into_iter().chain(others.iter().copied());
-    let with_ratio = ratios.map(|ratio| {
-        let mut of = machine.clone();
-        of.interpolator.minimum_cruise_ratio = ratio;
-        of
-    });
-    let accelerated = with_ratio
-        .flat_map(|of| RESTART_ACCELERATION_RATIOS.map(|ratio| of.with_scaled_accelerations(ratio)));
-    let scaled =
-        accelerated.flat_map(|of| RESTART_JUNCTION_RATIOS.map(|ratio| of.with_scaled_junction(ratio)));
-    nearest([machine.clone()].into_iter().chain(scaled), runs, whitenings).filter(|other| other != machine)
-}
-
 /// Returns the nearest machines of a fitted planner with a jerk limit along the path; none if its family blends
 /// corners in time or its jerk is already limited. A fitted acceleration without a jerk limit is the mean of a ramp,
 /// so the first machine has steeper ramps in each axis, and the second one an acceleration of all axes; corners
@@ -170,7 +180,7 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
     let near = |of: [Machine; 3]| {
         let ramps = nearest(of.iter().flat_map(|of| PATH_JERK.guesses_on(of)), runs, whitenings)?;
         let corners = nearest(
-            RESTART_JUNCTION_RATIOS.map(|ratio| ramps.with_scaled_junction(ratio)),
+            JERK_LIMIT_JUNCTION_RATIOS.map(|ratio| ramps.with_scaled_junction(ratio)),
             runs,
             whitenings,
         )?;
@@ -185,18 +195,37 @@ fn has_junction_law(machine: &Machine) -> bool {
     matches!(machine.interpolator.junction, Junction::Deviation(_) | Junction::SquareCorner(_))
 }
 
-/// Returns the machine with another way to blend corners, or with other steps or step segments, if that is nearer to the runs;
-/// `None` if none is nearer.
+/// Returns the machine with another way to blend corners, with other steps or step segments, or with another value of its
+/// junction law or its cruise ratio, if that is nearer to the runs; `None` if none is nearer. A fit does not find a
+/// junction value above which another limit slows every corner, nor a cruise ratio again that it has taken to 0.
 pub fn chosen_again(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Option<Machine> {
     let stepped = with_and_without_steps(machine, runs);
-    let others =
-        with_other_blends(machine).into_iter().chain(stepped.iter().flat_map(with_and_without_segments));
+    let others = with_other_blends(machine)
+        .into_iter()
+        .chain(stepped.iter().flat_map(with_and_without_segments))
+        .chain(with_other_corners(machine));
     let others: Vec<Machine> = others.filter(|other| other != machine).collect();
     if others.is_empty() {
         return None;
     }
     let ways = [machine.clone()].into_iter().chain(others);
     nearest(ways, runs, whitenings).filter(|other| other != machine)
+}
+
+/// Returns a planner with a junction law with other values of that law, and with the initial cruise ratios if its family has
+/// one; none if it has no such law.
+fn with_other_corners(machine: &Machine) -> Vec<Machine> {
+    if !has_junction_law(machine) {
+        return Vec::new();
+    }
+    let with_ratio = |minimum_cruise_ratio: f64| {
+        let mut machine = machine.clone();
+        machine.interpolator.minimum_cruise_ratio = minimum_cruise_ratio;
+        machine
+    };
+    let has_ratio = matches!(machine.interpolator.junction, Junction::SquareCorner(_));
+    let ratios = INITIAL_CRUISE_RATIOS.into_iter().filter(|_| has_ratio);
+    with_junctions(machine).into_iter().chain(ratios.map(with_ratio)).collect()
 }
 
 /// Returns a planner with a junction deviation both with the steps of the recorded positions, which may be those of its
@@ -295,4 +324,57 @@ fn with_rapids(
     let mut machines: Vec<Machine> = plateaus.iter().flat_map(of).collect();
     machines.iter_mut().for_each(|machine| limit_feed_as_rapids(machine, seen));
     machines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::alignment::recorded;
+    use crate::identification::calibration::whitened;
+
+    fn square_corner(acceleration: f64) -> Machine {
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::SquareCorner, acceleration);
+        machine
+    }
+
+    /// Long lines with corners at their ends: a ramp twice as steep from a corner that is slower takes about as long.
+    #[test]
+    fn guesses_lie_on_both_sides_of_an_acceleration() {
+        let truth = square_corner(3000.0).with_scaled_junction(2.5);
+        let program = format!("G1 F6000\n{}", "X17.8\nY0.3\nX0\nY0\n".repeat(8));
+        let (toolpath, alignment) = recorded(&program, &truth, 1e-4);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let whitenings = whitened(&truth, &runs);
+        let grid: Vec<Vec<Machine>> =
+            PLANNER_ACCELERATION.guesses.iter().map(|of| vec![square_corner(*of)]).collect();
+        for from in [&grid[0][0], &grid[9][0]] {
+            let found = nearest_with_corners(&grid, from, &runs, &whitenings);
+            let accelerations = found.iter().map(|machine| machine.path.acceleration).collect::<Vec<_>>();
+            assert_eq!(accelerations, [2500.0, 5000.0]);
+        }
+        let limited = vec![vec![square_corner(500.0)]; 3];
+        assert_eq!(nearest_with_corners(&limited, &limited[1][0], &runs, &whitenings).len(), 1);
+    }
+
+    /// Axes never reach the corner velocity of the start, so the cost does not depend on that; and a fit does not free a cruise
+    /// ratio of 0.
+    #[test]
+    fn what_a_fit_cannot_leave_is_chosen_again() {
+        let truth = square_corner(1000.0);
+        let program = format!("G1 F6000\n{}", "X6\nY6\nX0\nY0\n".repeat(8));
+        let (toolpath, alignment) = recorded(&program, &truth, 1e-4);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let whitenings = whitened(&truth, &runs);
+        let mut without_ratio = truth.clone();
+        without_ratio.interpolator.minimum_cruise_ratio = 0.0;
+        let fast_corners = truth.with_scaled_junction(1.0 / JUNCTION_RATIOS[0]);
+        for start in [&fast_corners, &without_ratio] {
+            let found = chosen_again(start, &runs, &whitenings).expect("the runs show corners and cruises");
+            let Junction::SquareCorner(velocity) = found.interpolator.junction else { panic!("another law") };
+            assert!((velocity - 5.0).abs() < 1e-9, "{velocity}");
+            assert_eq!(found.interpolator.minimum_cruise_ratio, KLIPPER_MIN_CRUISE_RATIO);
+        }
+        assert_eq!(chosen_again(&truth, &runs, &whitenings), None);
+    }
 }

@@ -277,8 +277,17 @@ pub(crate) fn nearest(
     runs: &[Run],
     whitenings: &[Whitening],
 ) -> Option<Machine> {
+    nearest_with_cost(machines, runs, whitenings).map(|(_, machine)| machine)
+}
+
+/// Returns the machine of [`nearest`] after its cost.
+fn nearest_with_cost(
+    machines: impl IntoIterator<Item = Machine>,
+    runs: &[Run],
+    whitenings: &[Whitening],
+) -> Option<(f64, Machine)> {
     let costs = machines.into_iter().map(|machine| (cost_of(&machine, runs, whitenings), machine));
-    costs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, machine)| machine)
+    costs.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Adds every law that the runs show to `best`, and returns the whitenings at the noise that remains.

@@ -1,6 +1,6 @@
 //! Runs → the planner that is nearest to them, if a planner is nearer than filters.
 //!
-//! Each family of planners is fitted from its guesses ([`families`]) and then from beside its values. Two models are compared at
+//! Each family of planners is fitted from its guesses ([`families`]). Two models are compared at
 //! the noise of the more likely one. Of the families, one is chosen whose ramps have the recorded shape, if there is one.
 
 use crate::identification::calibration::choice::{Fitting, Model};
@@ -18,8 +18,6 @@ const MIN_DISTINGUISHING_SHIFT_S: f64 = LINUXCNC_SERVO_PERIOD_S;
 const MIN_FILTER_DELAY_S: f64 = 4e-3;
 /// Share of the fits of planners in the progress.
 const PLANNERS_SHARE: f64 = 0.4;
-/// Largest number of fits of a planner from beside the values that a fit has found.
-const MAX_RESTARTS: usize = 3;
 
 impl Fitting<'_> {
     /// Replaces the model by the nearest planner if that is nearer by far; `plain` has the filters without laws.
@@ -28,14 +26,18 @@ impl Fitting<'_> {
         self.share.part = PLANNERS_SHARE / (starts.len().max(1) * MAX_NOISE_ROUNDS) as f64;
         let mut of_families: Vec<Model> = Vec::new();
         for start in &starts {
+            let family = of_families.iter().position(|model| is_same_family(&model.best.machine, start));
+            // Nothing is nearer so that the runs contradict this one.
+            if family.is_some_and(|at| of_families[at].best.cost < MIN_CONTRADICTING_COST) {
+                continue;
+            }
             let next = self.planner(start);
-            match of_families.iter_mut().find(|model| is_same_family(model, &next)) {
-                Some(best) if self.is_nearer(&next, best) => *best = next,
+            match family {
+                Some(at) if self.is_nearer(&next, &of_families[at]) => of_families[at] = next,
                 Some(_) => {}
                 None => of_families.push(next),
             }
         }
-        let of_families: Vec<Model> = of_families.into_iter().map(|model| self.restarted(model)).collect();
         let Some(planner) = self.chosen_planner(of_families) else { return };
         let [own, with_filters] = self.costs(&planner, model);
         // Filters shorter than a cycle of the control shape no ramp, so the control is a planner; neither do filters whose
@@ -58,23 +60,6 @@ impl Fitting<'_> {
             (best, whitenings) = self.fit_at_own_noise(&other, 1, FTOL);
         }
         Model { best, whitenings, order: 1 }
-    }
-
-    /// Returns the planner fitted from beside its values while that is nearer: corners, accelerations and cruise ratio make up
-    /// for each other, so a fit may end beside the nearest values.
-    fn restarted(&mut self, mut planner: Model) -> Model {
-        for _ in 0..MAX_RESTARTS {
-            let start = families::beside_minimum(&planner.best.machine, self.runs, &planner.whitenings);
-            let Some(start) = start else { break };
-            let (best, whitenings) = self.fit_at_own_noise(&start, 1, FTOL);
-            let beside = Model { best, whitenings, order: 1 };
-            let [cost, before] = self.costs(&beside, &planner);
-            if before <= cost {
-                break;
-            }
-            planner = beside;
-        }
-        planner
     }
 
     /// Returns the planner of a family whose ramps have the recorded shape, unless another one is nearer by far; `None` if
@@ -112,7 +97,7 @@ impl Fitting<'_> {
         let starts = families::with_jerk_limits(&planner.best.machine, self.runs, &planner.whitenings);
         starts.iter().fold(planner, |planner, start| {
             let (best, whitenings) = self.fit_at_own_noise(start, 1, FTOL);
-            let limited = self.restarted(Model { best, whitenings, order: 1 });
+            let limited = Model { best, whitenings, order: 1 };
             if self.is_nearer(&limited, &planner) { limited } else { planner }
         })
     }
@@ -123,13 +108,17 @@ impl Fitting<'_> {
     }
 
     /// Returns `true` if a planner is nearer to the runs than an earlier one: by far if both blend corners in time or it has
-    /// more parameters, otherwise so that the runs contradict the earlier one.
+    /// more parameters, otherwise so that the runs contradict the earlier one. Of two families that the runs cannot
+    /// distinguish, the one with fewer parameters counts as nearer.
     fn is_nearer(&self, planner: &Model, earlier: &Model) -> bool {
+        let [own, others] = [planner, earlier].map(|model| model.best.values.len());
+        let is_same = is_same_family(&planner.best.machine, &earlier.best.machine);
+        if !self.can_distinguish(&planner.best.machine, &earlier.best.machine) {
+            return !is_same && own < others;
+        }
         let [cost, before] = self.costs(planner, earlier);
-        let has_more = earlier.best.values.len() < planner.best.values.len();
         let blends = planner.best.machine.interpolator.junction.blends_in_time();
-        let most = max_cost(before, has_more || blends && is_same_family(planner, earlier));
-        cost < most && self.can_distinguish(&planner.best.machine, &earlier.best.machine)
+        cost < max_cost(before, others < own || blends && is_same)
     }
 
     /// Returns the costs of two models at the noise of the more likely one: at the noise of the other one, hardly anything
@@ -177,8 +166,8 @@ fn max_cost(before: f64, by_far: bool) -> f64 {
 }
 
 /// Returns `true` if two planners have the same junction law; all ways to blend corners count as one.
-fn is_same_family(one: &Model, other: &Model) -> bool {
-    let [one, other] = [one, other].map(|model| model.best.machine.interpolator.junction);
+fn is_same_family(one: &Machine, other: &Machine) -> bool {
+    let [one, other] = [one, other].map(|machine| machine.interpolator.junction);
     std::mem::discriminant(&one) == std::mem::discriminant(&other)
         || one.blends_in_time() && other.blends_in_time()
 }
@@ -217,6 +206,34 @@ mod tests {
             of_machine.collect::<Vec<_>>(),
             best.values.iter().map(|own| Some(*own)).collect::<Vec<_>>()
         );
+    }
+
+    #[test]
+    fn of_two_families_that_runs_cannot_distinguish_the_one_with_fewer_parameters_is_nearer() {
+        let planner = |family: Planner| {
+            let mut machine = Machine::default();
+            machine.become_planner(family, 1560.0);
+            machine.interpolator.minimum_cruise_ratio = 0.0;
+            machine.interpolator.step_segment = 0.0;
+            machine
+        };
+        let truth = planner(Planner::SquareCorner);
+        let (toolpath, alignment) = recorded("G1 F6000\nX40\nX0\nX40\nX0\n", &truth, 1e-4);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let mut progress = |_| {};
+        let (mut fitting, _) = Fitting::new(&truth, &runs, &compared(&truth, &runs), &mut progress);
+        let mut model = |family: Planner| {
+            let (best, whitenings) = fitting.fit_at_own_noise(&planner(family), 1, FTOL);
+            Model { best, whitenings, order: 1 }
+        };
+        let [more, fewer, mut simpler] =
+            [Planner::JunctionDeviation, Planner::SquareCorner, Planner::SquareCorner].map(&mut model);
+        assert!(fewer.best.values.len() < more.best.values.len());
+        assert!(fitting.is_nearer(&fewer, &more));
+        assert!(!fitting.is_nearer(&more, &fewer));
+        // Of one family, the earlier one is kept.
+        simpler.best.values.pop();
+        assert!(!fitting.is_nearer(&simpler, &fewer));
     }
 
     /// Wide corners, which LinuxCNC rounds the more the larger the override that it plans for.
