@@ -98,7 +98,8 @@ pub fn guesses(
 
 /// Returns the planner of the nearest acceleration and junction value, and the nearest one with an acceleration beside that.
 /// Slow corners make up for steep ramps, so a fit from one side may end in a minimum that is not the least. `grid` has
-/// the machines of each acceleration, one for each way of rapids; `from` is one of them.
+/// the machines of each acceleration, one for each way of rapids; `from` is one of them. From its acceleration on, the
+/// search goes to the nearer neighbour until neither is nearer.
 fn nearest_with_corners(
     grid: &[Vec<Machine>],
     from: &Machine,
