@@ -39,7 +39,7 @@
 use std::collections::BTreeSet;
 
 use crate::machine::{ArcChords, CHORD_ERROR_RATIOS, CalibratedOn, Extent, Machine};
-use crate::simulation::feed::limits::{acceleration, largest_share, requested_feedrate};
+use crate::simulation::feed::limits::{acceleration, largest_share, rapid_feedrate, requested_feedrate};
 use crate::simulation::feed::stop_time;
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::simulate;
@@ -67,6 +67,8 @@ const MIN_TURN_EXCESS_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 const MIN_SIZE_RATIO: f64 = 2.0;
 /// Ratio of feedrates from which on one counts as faster.
 const MIN_FASTER_RATIO: f64 = 1.25;
+/// Rounding error of the velocity at which an axis limits a rapid, as a part of it.
+const RATE_TOLERANCE_RATIO: f64 = 1e-9;
 /// Ratio of the lengths of rapids from which on one counts as longer.
 const MIN_LONGER_RATIO: f64 = 1.5;
 /// Least time of a block that is not short, s: length over feedrate.
@@ -275,7 +277,9 @@ fn faster_rapid(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> Option
         let possible = reached_velocity(way, shown, acceleration);
         let error =
             if 0.0 < shown { (lasts(possible) / lasts(reached) - 1.0).abs() } else { MAX_UNSHOWN_ERROR };
-        (machine.calibrated_on.assumed_rapids[axis] && possible != reached).then(|| Unshown {
+        // A higher rate of an axis that others hold back makes the rapid no faster.
+        let may_differ = possible < reached || reached < possible && holds_back(axis, segment, machine);
+        (machine.calibrated_on.assumed_rapids[axis] && may_differ).then(|| Unshown {
             feature: UnshownFeature::Rapids,
             lasts: lasts(reached),
             error: error.min(MAX_UNSHOWN_ERROR),
@@ -285,6 +289,12 @@ fn faster_rapid(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> Option
     let moving = (0..3).filter(|axis| segment.start[*axis] != segment.end[*axis]);
     let all = moving.filter_map(of_axis);
     all.max_by(|one, other| (one.error * one.lasts).total_cmp(&(other.error * other.lasts)))
+}
+
+/// Returns `true` if the rate of an axis is what limits a rapid.
+fn holds_back(axis: usize, segment: &Segment, machine: &Machine) -> bool {
+    let velocity = rapid_feedrate(segment, machine) * largest_share(segment)[axis];
+    machine.axes[axis].rapid <= (1.0 + RATE_TOLERANCE_RATIO) * velocity
 }
 
 /// Returns `true` if a segment moves an axis faster than any move of the runs.

@@ -50,6 +50,29 @@ fn an_axis_at_rest_makes_no_rapid_uncertain() {
     assert_eq!(found, TimeRange { ratio: 0.01, unshown: Vec::new() });
 }
 
+/// A diagonal that is almost along X: Y would be faster if X were, and no faster by itself.
+#[test]
+fn an_axis_that_another_one_holds_back_makes_no_rapid_uncertain() {
+    let mut machine = planner(Planner::AccelerationBlend, 1460.0);
+    machine.axes.iter_mut().for_each(|axis| axis.rapid = 90.0);
+    let rapids = path("G21 G90\nG1 X80 F1000\nG0 X0 Y4.85\n");
+    let of_rates = |shown: [f64; 3], rate_of_y: f64| {
+        let mut machine = machine.clone();
+        machine.axes[1].rapid = rate_of_y;
+        machine.calibrated_on = CalibratedOn {
+            range: Some(0.01),
+            velocities: Some(shown),
+            assumed_rapids: [false, true, false],
+            ..features_of([&rapids])
+        };
+        range(&rapids, &machine).expect("calibrated").ratio
+    };
+    assert_eq!(of_rates([90.0, 5.4, 60.0], 90.0), 0.01);
+    // Y may be faster than 5 mm/s where it is as slow, and slower than 90 mm/s if no axis is known to reach 45.
+    assert!(0.1 < of_rates([90.0, 5.4, 60.0], 5.0));
+    assert!(0.1 < of_rates([5.0, 1.0, 5.0], 90.0));
+}
+
 #[test]
 fn an_arc_may_take_twice_as_long_if_the_runs_show_neither_corner_nor_arc() {
     // The rapid shows the velocity of the feed.
