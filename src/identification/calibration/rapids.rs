@@ -324,7 +324,8 @@ fn segment_of(fix: &Fix, distances: &[f64]) -> usize {
 /// axis separately, `None` for an axis whose rate they do not show; and `true` for each axis whose rate is a guess. The
 /// highest velocity of an axis is its rate if the axis reached it while no other axis was at its highest. A rapid that
 /// no such axis holds back, to within twice [`PLATEAU_TOLERANCE_RATIO`] as each of its windows may differ by that, is held back by the
-/// axis that moves furthest, if axes are alike.
+/// axis that moves furthest, if axes are alike. If all rapids are equally fast along the path, that may be what is limited,
+/// as on controls that run G0 at the programmed feedrate, and an axis that is slower than that may have no such rate.
 fn rates(rapids: &[Vector]) -> ([Option<f64>; 3], [bool; 3]) {
     let fastest = rapids.iter().fold(Vector::zeros(), |fastest, velocity| fastest.sup(velocity));
     let is_fastest = |velocity: &Vector, axis: usize| {
@@ -342,6 +343,11 @@ fn rates(rapids: &[Vector]) -> ([Option<f64>; 3], [bool; 3]) {
         if !(0..3).any(holds_back) {
             (told[velocity.iamax()], guessed[velocity.iamax()]) = (true, true);
         }
+    }
+    let along_path = rapids.iter().map(Vector::norm).fold(0.0, f64::max);
+    let is_slower = |velocity: f64| velocity < (1.0 - 2.0 * PLATEAU_TOLERANCE_RATIO) * along_path;
+    if !rapids.iter().any(|velocity| is_slower(velocity.norm())) {
+        (0..3).for_each(|axis| guessed[axis] |= told[axis] && is_slower(fastest[axis]));
     }
     ([0, 1, 2].map(|axis| told[axis].then_some(fastest[axis])), guessed)
 }
@@ -435,6 +441,19 @@ mod tests {
         let [x, slower] = [170.0, 168.6].map(|x| Vector::new(x, 0.0, 0.0));
         assert_eq!(rates(&[x, slower]), ([Some(170.0), None, None], [false; 3]));
         assert_eq!(rates(&[]), ([None; 3], [false; 3]));
+    }
+
+    #[test]
+    fn rapids_that_are_equally_fast_along_the_path_show_no_rate_of_a_slower_axis() {
+        let diagonal = |angle: f64| 165.0 * Vector::new(angle.cos(), angle.sin(), 0.0);
+        let by_axis = Vector::new(165.0, 0.0, 0.0);
+        let z = Vector::new(0.0, 0.0, 165.0);
+        let (axes, guessed) = rates(&[diagonal(0.2), diagonal(1.5), z]);
+        assert_eq!(axes.map(|rate| rate.is_some()), [true; 3]);
+        assert_eq!(guessed, [true, false, false]);
+        assert_eq!(rates(&[by_axis, diagonal(1.5), z]).1, [false; 3]);
+        // Here the diagonal is faster than Z, so axes are limited.
+        assert_eq!(rates(&[diagonal(0.2), 0.9 * z]).1, [false; 3]);
     }
 
     #[test]
