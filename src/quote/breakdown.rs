@@ -128,7 +128,7 @@ impl<'a> Ledger<'a> {
             let moves = if is_rapid(segment) { &mut rapid } else { &mut cutting };
             moves.add(time);
         };
-        for pulse in pulses.range(pulses.before(segments.start)..pulses.before(segments.end)) {
+        for pulse in pulses.range(pulses.of_segments(segments.clone())) {
             if pulse.is_halt() {
                 halts += pulse.duration;
             } else {

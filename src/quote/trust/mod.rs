@@ -126,7 +126,7 @@ pub fn trust(toolpath: &Toolpath, machine: &Machine, plan: &FeedPlan) -> Trust {
 /// Returns the duration of the pulses of a segment, s.
 fn seconds_of(plan: &FeedPlan, segment: usize) -> f64 {
     let pulses = &plan.pulses;
-    let pulses = pulses.range(pulses.before(segment)..pulses.before(segment + 1));
+    let pulses = pulses.range(pulses.of_segments(segment..segment + 1));
     pulses.filter(|pulse| !pulse.is_halt()).map(|pulse| pulse.duration).sum()
 }
 

@@ -100,9 +100,19 @@ impl PulsePacking {
         self.beside(index).map_or_else(usual, |beside| self.offsets[beside])
     }
 
-    /// Returns the number of pulses before those of a segment.
-    pub fn before(&self, segment: usize) -> usize {
-        self.kept.partition_point(|kept| (kept.segment as usize) < segment)
+    /// Returns the indices of the pulses of some segments.
+    pub fn of_segments(&self, segments: Range<usize>) -> Range<usize> {
+        let first = self.before(segments.start, 0);
+        first..self.before(segments.end, first)
+    }
+
+    /// Returns the number of pulses before those of a segment, of which the first `known` are known to be before it.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there are fewer pulses than `known`.
+    pub fn before(&self, segment: usize, known: usize) -> usize {
+        known + self.kept[known..].partition_point(|kept| (kept.segment as usize) < segment)
     }
 
     /// Groups the pulses with these indices by their segments: returns the indices of each group.
@@ -279,7 +289,7 @@ mod tests {
         }
         for segment in 0..expected[299].segment as usize + 2 {
             let before = expected.iter().filter(|pulse| (pulse.segment as usize) < segment).count();
-            assert_eq!(kept.before(segment), before);
+            assert_eq!(kept.before(segment, before.min(1)), before);
         }
     }
 

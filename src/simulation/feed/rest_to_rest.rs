@@ -127,8 +127,9 @@ fn motions(
 ) -> impl Iterator<Item = Phase> {
     let (mut segment, mut pulse) = (segments.start, first_pulse);
     stops.into_iter().chain([segments.end]).map(move |end| {
-        let from = (std::mem::replace(&mut segment, end), std::mem::replace(&mut pulse, pulses.before(end)));
-        Phase::Motion(RestToRest { segments: from.0..segment, pulses: from.1..pulse, filter })
+        let (first_segment, first_pulse) = (segment, pulse);
+        (segment, pulse) = (end, pulses.before(end, first_pulse));
+        Phase::Motion(RestToRest { segments: first_segment..segment, pulses: first_pulse..pulse, filter })
     })
 }
 
