@@ -118,7 +118,7 @@ fn figures_of_forces_and_speed_are_those_of_their_pages() {
     let speed = page("docs/speed.md");
     let plan = table(&speed, "1000000 lines of finishing").into_iter().find(|row| row[0] == "plan");
     let plan = plan.expect("a row for planning");
-    holds("docs/accuracy.md", &[ratios, format!("in {} of the time async-gcode takes", plan[2])]);
+    holds("docs/accuracy.md", &[ratios, format!("in {} times the time async-gcode takes", plan[2])]);
     let seconds = number(&plan[1]) * 1e-9 * 1e6;
     holds(
         "CHANGELOG.md",

@@ -324,7 +324,7 @@ fn segment_of(fix: &Fix, distances: &[f64]) -> usize {
 /// axis separately, `None` for an axis whose rate they do not show; and `true` for each axis whose rate is a guess. The
 /// highest velocity of an axis is its rate if the axis reached it while no other axis was at its highest. A rapid that
 /// no such axis holds back, to within twice [`PLATEAU_TOLERANCE_RATIO`] as each of its windows may differ by that, is held back by the
-/// axis that moves furthest, if axes are alike. If all rapids are equally fast along the path, that may be what is limited,
+/// axis that moves furthest, if axes are alike. If all rapids are equally fast along the path, the limit may be on the path,
 /// as on controls that run G0 at the programmed feedrate, and an axis that is slower than that may have no such rate.
 fn rates(rapids: &[Vector]) -> ([Option<f64>; 3], [bool; 3]) {
     let fastest = rapids.iter().fold(Vector::zeros(), |fastest, velocity| fastest.sup(velocity));
@@ -452,8 +452,8 @@ mod tests {
         assert_eq!(axes.map(|rate| rate.is_some()), [true; 3]);
         assert_eq!(guessed, [true, false, false]);
         assert_eq!(rates(&[by_axis, diagonal(1.5), z]).1, [false; 3]);
-        // Here the diagonal is faster than Z, so axes are limited.
-        assert_eq!(rates(&[diagonal(0.2), 0.9 * z]).1, [false; 3]);
+        // Here the diagonals are faster than Z, so axes are limited.
+        assert_eq!(rates(&[diagonal(0.2), diagonal(1.5), 0.9 * z]).1, [false; 3]);
     }
 
     #[test]

@@ -291,7 +291,7 @@ fn faster_rapid(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> Option
     all.max_by(|one, other| (one.error * one.lasts).total_cmp(&(other.error * other.lasts)))
 }
 
-/// Returns `true` if the rate of an axis is what limits a rapid.
+/// Returns `true` if the rate of an axis limits a rapid.
 fn holds_back(axis: usize, segment: &Segment, machine: &Machine) -> bool {
     let velocity = rapid_feedrate(segment, machine) * largest_share(segment)[axis];
     machine.axes[axis].rapid <= (1.0 + RATE_TOLERANCE_RATIO) * velocity
