@@ -14,15 +14,15 @@ use crate::identification::calibration::{
 use crate::identification::comparison::Comparison;
 use crate::identification::effects::MIN_EXPLAINED_SHARE;
 use crate::identification::effects::parameters::{CLOCK_RATIO, DWELL_EXCESS, FILTERS, PROGRAM_START};
-use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
+use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening};
 use crate::machine::{Machine, TimeConstants};
 
 /// Initial value of the dwell excess in a fit, s: half the cycle of a 10 ms task.
 const INITIAL_DWELL_EXCESS_S: f64 = 0.005;
 
-/// Standard deviation of the rate of the recorder's clock to that of the control's before any run, as a ratio: a computer
-/// that follows no other clock is off by 2e-4, and a step timer that the simulation lacks by 5e-4 to 1.2e-3.
-const EXPECTED_CLOCK_DEVIATION_RATIO: f64 = 5e-4;
+/// Standard deviation of the clock ratio that a calibration assumes before it sees a run. The clock of a computer that
+/// follows no other clock is off by 2e-4, and a step timer that the simulation does not model is off by 5e-4 to 1.2e-3.
+const PRIOR_CLOCK_DEVIATION_RATIO: f64 = 5e-4;
 
 /// The common input of all fits of a calibration.
 pub struct Fitting<'a> {
@@ -169,7 +169,7 @@ impl<'a> Fitting<'a> {
         all.extend(spindle_ramp(self.machine, start));
         if self.runs.iter().all(|run| polled(run).is_none()) {
             let [own, from] = [self.machine, start].map(|machine| machine.recorder.clock_ratio);
-            let clock = CLOCK_RATIO.calibrated(from).linear().expected(own, EXPECTED_CLOCK_DEVIATION_RATIO);
+            let clock = CLOCK_RATIO.calibrated(from).linear().expected(own, PRIOR_CLOCK_DEVIATION_RATIO);
             all.push((clock, own));
         }
         all.extend(self.waits.iter().map(|(freed, value)| {
@@ -245,10 +245,10 @@ impl<'a> Fitting<'a> {
         let order = model.order;
         for start in assumed::starts(&self.parameters(order, &model.best.machine), &model.best) {
             let (best, whitenings) = self.fit_at_own_noise(&start, order, FTOL);
-            let [cost, before] =
-                [&best, &model.best].map(|fit| cost_of(&fit.machine, self.runs, &whitenings));
+            let next = Model { best, whitenings, order };
+            let [cost, before] = self.costs_at_noise_of(&next, [&next, model]);
             if cost < (1.0 - FTOL) * before {
-                *model = Model { best, whitenings, order };
+                *model = next;
             }
         }
     }

@@ -106,14 +106,15 @@ fn nearest_with_corners(
     runs: &[Run],
     whitenings: &[Whitening],
 ) -> Vec<Machine> {
-    let Some(mut at) = grid.iter().position(|of| of.contains(from)) else { return Vec::new() };
-    let Some(way) = grid[at].iter().position(|of| of == from) else { return Vec::new() };
+    let place = |(at, of): (usize, &Vec<Machine>)| Some((at, of.iter().position(|of| of == from)?));
+    let Some((mut at, way)) = grid.iter().enumerate().find_map(place) else { return Vec::new() };
     let mut tried: Vec<Option<(f64, Machine)>> = vec![None; grid.len()];
     loop {
         let around = at.saturating_sub(1)..(at + 2).min(grid.len());
         for index in around.clone() {
-            let with_corners = || nearest_with_cost(with_junctions(&grid[index][way]), runs, whitenings);
-            tried[index] = tried[index].take().or_else(with_corners);
+            if tried[index].is_none() {
+                tried[index] = nearest_with_cost(with_junctions(&grid[index][way]), runs, whitenings);
+            }
         }
         let cost = |index: &usize| tried[*index].as_ref().map_or(f64::INFINITY, |(cost, _)| *cost);
         let mut by_cost: Vec<usize> = around.collect();

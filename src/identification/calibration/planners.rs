@@ -1,7 +1,7 @@
 //! Runs → the planner that is nearest to them, if a planner is nearer than filters.
 //!
-//! Each family of planners is fitted from its guesses ([`families`]). Two models are compared at
-//! the noise of the more likely one. Of the families, one is chosen whose ramps have the recorded shape, if there is one.
+//! Each family of planners is fitted from its guesses ([`families`]). Two models are compared at the noise of the more likely
+//! one. Of the families, one is chosen whose ramps have the recorded shape, if there is one.
 
 use crate::identification::calibration::choice::{Fitting, Model};
 use crate::identification::calibration::{
@@ -27,7 +27,7 @@ impl Fitting<'_> {
         let mut of_families: Vec<Model> = Vec::new();
         for start in &starts {
             let family = of_families.iter().position(|model| is_same_family(&model.best.machine, start));
-            // Nothing is nearer so that the runs contradict this one.
+            // No further fit can be nearer by so much that the runs contradict this one.
             if family.is_some_and(|at| of_families[at].best.cost < MIN_CONTRADICTING_COST) {
                 continue;
             }
@@ -134,7 +134,7 @@ impl Fitting<'_> {
     }
 
     /// Returns the costs of two models at the noise of a model.
-    fn costs_at_noise_of(&self, noisy: &Model, models: [&Model; 2]) -> [f64; 2] {
+    pub fn costs_at_noise_of(&self, noisy: &Model, models: [&Model; 2]) -> [f64; 2] {
         models.map(|model| cost_of(&model.best.machine, self.runs, &noisy.whitenings))
     }
 

@@ -16,25 +16,24 @@
 use crate::identification::calibration::Estimate;
 use crate::identification::comparison::RampMisfit;
 use crate::identification::effects::parameters::{
-    AXIS_ACCELERATION, JUNCTION_DEVIATION, MINIMUM_CRUISE_RATIO, PATH_ACCELERATION, PATH_JERK,
+    AXIS_ACCELERATION, Adjustable, JUNCTION_DEVIATION, MINIMUM_CRUISE_RATIO, PATH_ACCELERATION, PATH_JERK,
     SQUARE_CORNER_VELOCITY,
 };
 
 /// Returns an estimate whose deviation contains the misfit of ramps if it is an acceleration, and that has none if it belongs
 /// to a law that the ramps contradict.
 pub fn doubted(estimate: Estimate, misfit: &RampMisfit) -> Estimate {
-    let of_laws = [JUNCTION_DEVIATION, SQUARE_CORNER_VELOCITY, MINIMUM_CRUISE_RATIO, PATH_JERK];
-    if of_laws.iter().any(|parameter| parameter.key == estimate.key) {
-        return Estimate { deviation: estimate.deviation.filter(|_| misfit.is_of_law()), ..estimate };
-    }
-    let of_axis = AXIS_ACCELERATION.iter().position(|parameter| parameter.key == estimate.key);
-    if of_axis.is_none() && estimate.key != PATH_ACCELERATION.key {
+    let is = |parameter: &Adjustable| parameter.key == estimate.key;
+    let of_axis = AXIS_ACCELERATION.iter().position(is);
+    let is_along_path = is(&PATH_ACCELERATION);
+    let others = [JUNCTION_DEVIATION, SQUARE_CORNER_VELOCITY, MINIMUM_CRUISE_RATIO, PATH_JERK];
+    if of_axis.is_none() && !is_along_path && !others.iter().any(is) {
         return estimate;
     }
-    let of_ramps =
-        of_axis.map_or(misfit.of_path, |axis| misfit.of_axes[axis]).unwrap_or(0.0) * estimate.value;
+    let of_ramps = of_axis.map_or(misfit.of_path.filter(|_| is_along_path), |axis| misfit.of_axes[axis]);
     let of_fit = estimate.deviation.filter(|_| misfit.is_of_law());
-    Estimate { deviation: of_fit.map(|of_fit| of_fit.hypot(of_ramps)), ..estimate }
+    let with_ramps = |of_fit: f64| of_ramps.map_or(of_fit, |ratio| of_fit.hypot(ratio * estimate.value));
+    Estimate { deviation: of_fit.map(with_ramps), ..estimate }
 }
 
 #[cfg(test)]

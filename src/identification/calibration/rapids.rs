@@ -22,9 +22,8 @@ use crate::simulation::toolpath::{Curve, Motion, Segment, Vector};
 const WINDOW_S: f64 = 0.02;
 /// Least number of samples in a window.
 const MIN_SAMPLES: usize = 4;
-/// Ratio to the programmed velocity below which an axis is held back: neither that velocity nor a plateau is known
-/// better.
-const MAX_HELD_BACK_RATIO: f64 = 1.0 - 2.0 * PLATEAU_TOLERANCE_RATIO;
+/// Ratio of a velocity to another one below which it is slower: each of them may be off by the tolerance of a plateau.
+const MAX_SLOWER_RATIO: f64 = 1.0 - 2.0 * PLATEAU_TOLERANCE_RATIO;
 /// Least number of moments at which a recorded velocity is met for it to be a limit.
 const MIN_VISITS: usize = 4;
 /// Least time between two such moments, s.
@@ -214,7 +213,7 @@ impl RapidPlateaus {
         let mut limited = machine.clone();
         if planner == Planner::SquareCorner {
             let is_limit = 0.0 < self.fastest_along
-                && self.fastest_along < MAX_HELD_BACK_RATIO * self.asked_along
+                && self.fastest_along < MAX_SLOWER_RATIO * self.asked_along
                 && self.fastest_along < machine.path.velocity;
             limited.path.velocity = self.fastest_along;
             return is_limit.then_some(limited);
@@ -222,7 +221,7 @@ impl RapidPlateaus {
         for (axis, (fastest, asked)) in
             limited.axes.iter_mut().zip(self.fastest_cut.iter().zip(self.fastest_asked))
         {
-            if 0.0 < *fastest && *fastest < MAX_HELD_BACK_RATIO * asked && *fastest < axis.velocity {
+            if 0.0 < *fastest && *fastest < MAX_SLOWER_RATIO * asked && *fastest < axis.velocity {
                 (axis.velocity, axis.rapid) = (*fastest, axis.rapid.min(*fastest));
             }
         }
@@ -250,7 +249,7 @@ impl RapidPlateaus {
         let asked = limits::requested_feedrate(line, &Machine::default()) * line.tangent(0.0)[axis].abs();
         let found = plateau(velocities.map(|velocity| velocity[axis].abs()));
         let place = |found: Option<f64>, asked: f64| {
-            usize::from(!found.is_some_and(|found| found + error < MAX_HELD_BACK_RATIO * asked))
+            usize::from(!found.is_some_and(|found| found + error < MAX_SLOWER_RATIO * asked))
         };
         faster(&mut self.cut[place(found, asked)][axis], found);
         // A line that rises may be held back by Z.
@@ -309,7 +308,7 @@ impl RapidPlateaus {
         let along_path = self.path.unwrap_or(file.fastest_rapid());
         limited.rapid.feedrate = along_path;
         limited.axes.iter_mut().for_each(|axis| axis.rapid = f64::INFINITY);
-        let is_slower = |own: &f64| *own < (1.0 - 2.0 * PLATEAU_TOLERANCE_RATIO) * along_path;
+        let is_slower = |own: &f64| *own < MAX_SLOWER_RATIO * along_path;
         limited.axes[2].rapid = self.axes[2].filter(is_slower).unwrap_or(f64::INFINITY);
         limited
     }
@@ -323,7 +322,7 @@ fn segment_of(fix: &Fix, distances: &[f64]) -> usize {
 /// Returns the rates of the axes (mm/s) from the velocities on the plateaus of rapids, for machines that limit each
 /// axis separately, `None` for an axis whose rate they do not show; and `true` for each axis whose rate is a guess. The
 /// highest velocity of an axis is its rate if the axis reached it while no other axis was at its highest. A rapid that
-/// no such axis holds back, to within twice [`PLATEAU_TOLERANCE_RATIO`] as each of its windows may differ by that, is held back by the
+/// no such axis holds back, to within [`MAX_SLOWER_RATIO`], is held back by the
 /// axis that moves furthest, if axes are alike. If all rapids are equally fast along the path, the limit may be on the path,
 /// as on controls that run G0 at the programmed feedrate, and an axis that is slower than that may have no such rate.
 fn rates(rapids: &[Vector]) -> ([Option<f64>; 3], [bool; 3]) {
@@ -337,15 +336,13 @@ fn rates(rapids: &[Vector]) -> ([Option<f64>; 3], [bool; 3]) {
     let mut told = [0, 1, 2].map(|axis| rapids.iter().any(|velocity| is_alone(velocity, axis)));
     let mut guessed = [false; 3];
     for velocity in rapids {
-        let holds_back = |axis: usize| {
-            told[axis] && (1.0 - 2.0 * PLATEAU_TOLERANCE_RATIO) * fastest[axis] <= velocity[axis]
-        };
+        let holds_back = |axis: usize| told[axis] && MAX_SLOWER_RATIO * fastest[axis] <= velocity[axis];
         if !(0..3).any(holds_back) {
             (told[velocity.iamax()], guessed[velocity.iamax()]) = (true, true);
         }
     }
     let along_path = rapids.iter().map(Vector::norm).fold(0.0, f64::max);
-    let is_slower = |velocity: f64| velocity < (1.0 - 2.0 * PLATEAU_TOLERANCE_RATIO) * along_path;
+    let is_slower = |velocity: f64| velocity < MAX_SLOWER_RATIO * along_path;
     if !rapids.iter().any(|velocity| is_slower(velocity.norm())) {
         (0..3).for_each(|axis| guessed[axis] |= told[axis] && is_slower(fastest[axis]));
     }

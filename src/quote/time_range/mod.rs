@@ -279,15 +279,16 @@ fn faster_rapid(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> Option
             if 0.0 < shown { (lasts(possible) / lasts(reached) - 1.0).abs() } else { MAX_UNSHOWN_ERROR };
         // A higher rate of an axis that others hold back makes the rapid no faster.
         let may_differ = possible < reached || reached < possible && holds_back(axis, segment, machine);
-        (machine.calibrated_on.assumed_rapids[axis] && may_differ).then(|| Unshown {
+        may_differ.then(|| Unshown {
             feature: UnshownFeature::Rapids,
             lasts: lasts(reached),
             error: error.min(MAX_UNSHOWN_ERROR),
         })
     };
+    let is_assumed = |axis: &usize| machine.calibrated_on.assumed_rapids[*axis];
     // An axis at rest has no time to be off in.
-    let moving = (0..3).filter(|axis| segment.start[*axis] != segment.end[*axis]);
-    let all = moving.filter_map(of_axis);
+    let is_moving = |axis: &usize| segment.start[*axis] != segment.end[*axis];
+    let all = (0..3).filter(is_assumed).filter(is_moving).filter_map(of_axis);
     all.max_by(|one, other| (one.error * one.lasts).total_cmp(&(other.error * other.lasts)))
 }
 

@@ -106,13 +106,14 @@ impl PulsePacking {
         first..self.before(segments.end, first)
     }
 
-    /// Returns the number of pulses before those of a segment, of which the first `known` are known to be before it.
+    /// Returns the number of pulses before a segment. The search skips the first `skipped` pulses, all of which must lie
+    /// before the segment.
     ///
     /// # Panics
     ///
-    /// Panics if there are fewer pulses than `known`.
-    pub fn before(&self, segment: usize, known: usize) -> usize {
-        known + self.kept[known..].partition_point(|kept| (kept.segment as usize) < segment)
+    /// Panics if there are fewer pulses than `skipped`.
+    pub fn before(&self, segment: usize, skipped: usize) -> usize {
+        skipped + self.kept[skipped..].partition_point(|kept| (kept.segment as usize) < segment)
     }
 
     /// Groups the pulses with these indices by their segments: returns the indices of each group.
