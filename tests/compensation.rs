@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use truefeed::machine::{Machine, Tool};
 use truefeed::simulation::gcode::{self, Dialect, Options};
 use truefeed::simulation::interpreter;
-use truefeed::simulation::toolpath::{Curve, Motion, Segment, Toolpath};
+use truefeed::simulation::toolpath::{Curve, Segment, Toolpath};
 
 /// Diameters of tools 1, 2 and 3, mm.
 const DIAMETERS: [f64; 3] = [5.08, 6.0, 1.0];
@@ -115,7 +115,7 @@ fn difference(toolpath: &Toolpath, expected: &Interpreted) -> Option<String> {
         let Some(segment) = found.get(index) else {
             return Some(format!("move {index} is missing: {expected:?}"));
         };
-        let is_rapid = segment.motion == Motion::Rapid;
+        let is_rapid = segment.motion.is_rapid();
         let ends = (0..3).all(|axis| (segment.end[axis] - expected.end[axis]).abs() <= 0.51 * digit + 1e-6);
         let arcs = match (&segment.curve, &expected.arc) {
             (Curve::Line, None) => true,

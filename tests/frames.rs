@@ -38,7 +38,7 @@ fn plan_of(toolpath: &Toolpath, machine: &Machine) -> FeedPlan {
 fn feedrate(segment: &Segment) -> f64 {
     match segment.motion {
         Motion::Feed { feedrate } => feedrate,
-        Motion::Rapid => f64::INFINITY,
+        Motion::Rapid { .. } => f64::INFINITY,
     }
 }
 

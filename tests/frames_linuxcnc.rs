@@ -93,7 +93,7 @@ fn by_us(text: &str) -> Vec<Move> {
         (0..3).for_each(|axis| at[axis] = segment.end[axis]);
         (0..3).for_each(|axis| at[3 + axis] += segment.rotation[axis].to_degrees());
         let feed = match segment.motion {
-            Motion::Rapid => None,
+            Motion::Rapid { .. } => None,
             Motion::Feed { feedrate } => Some(60.0 * feedrate),
         };
         moves.push(Move { end: at, feed, is_arc: segment.curve != Curve::Line });

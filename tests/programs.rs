@@ -43,7 +43,7 @@ fn summary(toolpath: &Toolpath) -> String {
     let (mut feed, mut rapid, mut feed_time, mut arcs, mut exact) = (0.0, 0.0, 0.0, 0, 0);
     for segment in &toolpath.segments {
         match segment.motion {
-            Motion::Rapid => rapid += segment.length,
+            Motion::Rapid { .. } => rapid += segment.length,
             Motion::Feed { feedrate } => {
                 feed += segment.length;
                 feed_time += segment.length / feedrate;
@@ -59,7 +59,7 @@ fn summary(toolpath: &Toolpath) -> String {
     if let Some(last) = toolpath.segments.last() {
         let [x, y, z] = [last.end.x, last.end.y, last.end.z];
         let feedrate = match last.motion {
-            Motion::Rapid => "rapid".to_string(),
+            Motion::Rapid { .. } => "rapid".to_string(),
             Motion::Feed { feedrate } => format!("{:.4} mm/min", mm_per_min(feedrate)),
         };
         let line = last.line.0;
@@ -167,7 +167,7 @@ fn programmed_times_of_recorded_programs_agree() {
             continue;
         }
         let feed_time = |segment: toolpath::Segment| match segment.motion {
-            Motion::Rapid => 0.0,
+            Motion::Rapid { .. } => 0.0,
             Motion::Feed { feedrate } => segment.length / feedrate,
         };
         let time: f64 = trace(&path).segments.iter().map(feed_time).sum();

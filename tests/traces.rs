@@ -64,7 +64,7 @@ fn moves(toolpath: &Toolpath) -> String {
         let [x, y, z] = [segment.end.x, segment.end.y, segment.end.z].map(rounded);
         let [a, b, c] = [segment.rotation.x, segment.rotation.y, segment.rotation.z].map(rounded);
         let feedrate = match segment.motion {
-            Motion::Rapid => -1,
+            Motion::Rapid { .. } => -1,
             Motion::Feed { feedrate } => rounded(feedrate),
         };
         let is_arc = matches!(segment.curve, Curve::Arc(_));

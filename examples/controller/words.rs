@@ -92,6 +92,12 @@ impl Manner {
                 "spindle": self.spindle, "tool_changes": self.tool_changes, "decimals": self.decimals })
     }
 
+    /// The feedrate written on each rapid, mm/min; programs that write a word only where it changes leave rapids the feedrate
+    /// of the feed move before, at which such a control runs them.
+    fn feed_of_rapids(&self) -> Option<f64> {
+        self.rapid_feed.filter(|_| !self.modal)
+    }
+
     fn path_words(&self) -> String {
         let length = |mm: f64| if self.inch { number(mm / 25.4, 5) } else { number(mm, 4) };
         match self.path {
@@ -205,7 +211,7 @@ impl Post<'_> {
 
     fn add(&mut self, next: &Move, clearance: f64) {
         match next {
-            Move::Rapid(end) => self.moves("G0", end, None, self.manner.rapid_feed),
+            Move::Rapid(end) => self.moves("G0", end, None, self.manner.feed_of_rapids()),
             Move::Line { end, feed } => self.moves("G1", end, None, Some(*feed)),
             Move::Arc { end, centre, clockwise, feed } => {
                 self.moves(if *clockwise { "G2" } else { "G3" }, end, Some(*centre), Some(*feed));
@@ -261,18 +267,18 @@ impl Post<'_> {
     /// The same hole by moves.
     fn pecks(&mut self, at: [f64; 2], bottom: f64, peck: f64, feed: f64, clearance: f64) {
         let point = |z: f64| [at[0], at[1], z];
-        self.moves("G0", &point(clearance), None, self.manner.rapid_feed);
-        self.moves("G0", &point(2.0), None, self.manner.rapid_feed);
+        self.moves("G0", &point(clearance), None, self.manner.feed_of_rapids());
+        self.moves("G0", &point(2.0), None, self.manner.feed_of_rapids());
         let mut depth = 0.0;
         while depth > bottom {
             let next = if peck > 0.0 { (depth - peck).max(bottom) } else { bottom };
             if depth < 0.0 {
-                self.moves("G0", &point(2.0), None, self.manner.rapid_feed);
-                self.moves("G0", &point(depth + 0.3), None, self.manner.rapid_feed);
+                self.moves("G0", &point(2.0), None, self.manner.feed_of_rapids());
+                self.moves("G0", &point(depth + 0.3), None, self.manner.feed_of_rapids());
             }
             self.moves("G1", &point(next), None, Some(feed));
             depth = next;
         }
-        self.moves("G0", &point(clearance), None, self.manner.rapid_feed);
+        self.moves("G0", &point(clearance), None, self.manner.feed_of_rapids());
     }
 }

@@ -6,7 +6,6 @@ use truefeed::simulation::gcode::read;
 use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::Motion;
 use truefeed::units::mm_per_min;
 
 use super::chart::{Curve, Panel, svg};
@@ -106,7 +105,7 @@ pub fn case(choice: &Choice) -> Case {
         }
         section
     };
-    let feeds = toolpath.segments.iter().filter(|segment| segment.motion != Motion::Rapid);
+    let feeds = toolpath.segments.iter().filter(|segment| !segment.motion.is_rapid());
     Case {
         trochoid: section(part.trochoid),
         corners: section(part.corners),

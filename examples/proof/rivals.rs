@@ -145,7 +145,7 @@ fn features(toolpath: &Toolpath, ends: &[f64], range: &Range<f64>, visit: &Visit
     };
     let (rapid, feedrate) = match segment.motion {
         Motion::Feed { feedrate } => (0.0, feedrate),
-        Motion::Rapid => (1.0, 0.0),
+        Motion::Rapid { .. } => (1.0, 0.0),
     };
     let nominal = if 0.0 < feedrate { length / feedrate } else { simulated };
     let curvature = match &segment.curve {

@@ -237,7 +237,7 @@ pub fn engagement_with_progress(
                     run.change(mill);
                     is_new = false;
                 }
-                (Err(_), Motion::Rapid) => continue,
+                (Err(_), Motion::Rapid { .. }) => continue,
                 (Err(error), Motion::Feed { .. }) => return Err(error),
             }
         }
@@ -290,7 +290,7 @@ impl<'a> ToolRun<'a> {
             let start = from * segment.length + stretch as f64 * length;
             let middle = start + 0.5 * length;
             let owner = match segment.motion {
-                Motion::Rapid => VolumeOwner::Rapid { segment: index, line: segment.line.0, distance },
+                Motion::Rapid { .. } => VolumeOwner::Rapid { segment: index, line: segment.line.0, distance },
                 Motion::Feed { .. } => {
                     self.cut_up_to(distance + middle - MAP_LAG_CELLS * resolution);
                     self.place(index, segment, middle, distance + middle, length, mirrored)
@@ -305,7 +305,7 @@ impl<'a> ToolRun<'a> {
                 });
             }
         }
-        if segment.motion == Motion::Rapid || to < 1.0 {
+        if segment.motion.is_rapid() || to < 1.0 {
             self.cut_up_to(f64::INFINITY);
         }
         if to < 1.0 {

@@ -123,7 +123,7 @@ impl LoadCurve {
 pub fn programmed_feedrates(engagement: &Engagement, toolpath: &Toolpath) -> Vec<f64> {
     let of = |segment: usize| match toolpath.segments.at(segment).motion {
         Motion::Feed { feedrate } => feedrate,
-        Motion::Rapid => 0.0,
+        Motion::Rapid { .. } => 0.0,
     };
     engagement.places.iter().map(|place| of(place.segment)).collect()
 }

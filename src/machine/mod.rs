@@ -207,6 +207,9 @@ pub struct RapidMoves {
     pub feedrate: f64,
     /// Rate at which a rotary axis turns in rapid, rad/s.
     pub rotary_rate: f64,
+    /// Rapids run at the programmed feedrate where that is lower, as feed moves do, and under the feed override; neutral
+    /// `false`. So do Klipper (gcode_move.py) and Marlin (G0_G1.cpp), whose G0 is G1.
+    pub at_feedrate: bool,
     /// Full stop at both ends of a chain of rapid moves; neutral `false`: blended like feed moves.
     pub exact_stop: bool,
     /// Time constants of the filters during rapid moves; neutral `None`: those of feed moves.
@@ -416,10 +419,12 @@ impl Machine {
     }
 
     /// Returns the ratio of the rapid feedrate at a feed override (a ratio) to that without it. It is 1 on controls that
-    /// override rapids by a separate switch. Klipper runs G0 as G1 with an F, so M220 slows both. Above 100 % it makes no rapid
-    /// faster, since that F is usually the limit of the machine.
+    /// override rapids by a separate switch. On those that run rapids at the programmed feedrate it is the override. Klipper is
+    /// one, but if its machine file does not say so, rapids run at a rate that is usually the limit of the machine, and no
+    /// override makes them faster.
     pub fn rapid_ratio_at(&self, feed_override: f64) -> f64 {
         match self.interpolator.junction {
+            _ if self.rapid.at_feedrate => feed_override,
             Junction::SquareCorner(_) => feed_override.min(1.0),
             _ => 1.0,
         }
@@ -504,6 +509,7 @@ impl Default for Machine {
             rapid: RapidMoves {
                 feedrate: 200.0,
                 rotary_rate: DEFAULT_ROTARY_RATE_RAD_S,
+                at_feedrate: false,
                 exact_stop: false,
                 time_constants: None,
                 positioning_jerk: f64::INFINITY,

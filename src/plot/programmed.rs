@@ -40,7 +40,7 @@ impl Programmed {
         let (mut ends, mut feedrates, mut rapids, mut lines) = (vec![], vec![], vec![], vec![]);
         for (segment, end) in toolpath.segments.iter().zip(toolpath.ends()) {
             let (feedrate, rapid) = match segment.motion {
-                Motion::Rapid => (rapid_feedrate(&segment, machine), true),
+                Motion::Rapid { .. } => (rapid_feedrate(&segment, machine), true),
                 Motion::Feed { feedrate } => (feedrate, false),
             };
             ends.push(end);

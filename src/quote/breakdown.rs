@@ -12,7 +12,7 @@ use std::ops::Range;
 use crate::machine::{MCodeGroup, Machine};
 use crate::simulation::feed::{FeedPlan, Phase, Wait};
 use crate::simulation::running_sum::RunningSum;
-use crate::simulation::toolpath::{Motion, StopCause, Toolpath};
+use crate::simulation::toolpath::{StopCause, Toolpath};
 
 /// The cycle time by kind, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -121,7 +121,7 @@ impl<'a> Ledger<'a> {
             breakdown.functions.start = self.plan.start;
             breakdown.other = self.plan.start;
         }
-        let is_rapid = |segment: usize| self.toolpath.segments.motion(segment) == Motion::Rapid;
+        let is_rapid = |segment: usize| self.toolpath.segments.motion(segment).is_rapid();
         let pulses = &self.plan.pulses;
         let (mut cutting, mut rapid, mut halts) = (RunningSum::default(), RunningSum::default(), 0.0);
         let mut add = |segment: usize, time: f64| {

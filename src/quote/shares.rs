@@ -89,7 +89,7 @@ pub fn programmed_time(toolpath: &Toolpath, machine: &Machine) -> f64 {
 /// Returns the programmed feedrate of a segment, mm/s.
 pub(super) fn programmed(segment: &Segment, machine: &Machine) -> f64 {
     match segment.motion {
-        Motion::Rapid => rapid_feedrate(segment, machine),
+        Motion::Rapid { .. } => rapid_feedrate(segment, machine),
         Motion::Feed { feedrate } => feedrate,
     }
 }
@@ -147,7 +147,7 @@ fn share(
     let [mut time, mut feed_length, mut rapid_length] = [RunningSum::default(); 3];
     // One pass for all sums: assembling millions of segments takes longer than adding them.
     for segment in moves.clone() {
-        let length = if segment.motion == Motion::Rapid { &mut rapid_length } else { &mut feed_length };
+        let length = if segment.motion.is_rapid() { &mut rapid_length } else { &mut feed_length };
         length.add(segment.length);
         time.add(segment.length / programmed(&segment, machine));
         pass(segment.line);

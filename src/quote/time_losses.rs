@@ -28,7 +28,7 @@ use crate::quote::shares::{programmed, programmed_wait};
 use crate::simulation::feed::{FeedPlan, Phase, Pulse, RestToRest, Tolerances};
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::running_sum::running_sum;
-use crate::simulation::toolpath::{Curve, Motion, Segment, StopCause, Toolpath};
+use crate::simulation::toolpath::{Curve, Segment, StopCause, Toolpath};
 
 /// Number of places that are reported.
 pub const MAX_LISTED_LOSSES: usize = 10;
@@ -307,7 +307,7 @@ impl LossWalk<'_> {
             let feedrate = programmed(&segment, self.machine);
             let division = BlockDivision::of(&own, feedrate);
             let command = plan.segment_feedrates.get(index).copied().unwrap_or(feedrate).min(feedrate);
-            let is_rapid = segment.motion == Motion::Rapid;
+            let is_rapid = segment.motion.is_rapid();
             let is_short = !is_rapid
                 && (segment.length < delay * feedrate || division.peak < REACHED_COMMAND_RATIO * command);
             let is_whole = is_rapid || is_short;

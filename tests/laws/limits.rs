@@ -118,9 +118,7 @@ fn rapids_take_as_long_as_the_slowest_axis() {
     };
     for (case, _) in limited(30, case_count(), limit) {
         let Case { toolpath, machine, .. } = &case;
-        for segment in
-            toolpath.segments.iter().filter(|s| s.motion == Motion::Rapid && s.curve == Curve::Line)
-        {
+        for segment in toolpath.segments.iter().filter(|s| s.motion.is_rapid() && s.curve == Curve::Line) {
             let alone = |k: usize| (segment.end - segment.start)[k].abs() / machine.axes[k].rapid;
             let slowest = (0..3).map(alone).fold(segment.length / machine.rapid.feedrate, f64::max);
             let time = segment.length / requested_feedrate(&segment, machine);
@@ -302,7 +300,7 @@ fn the_machine_stands_where_it_has_to() {
         let segments = &case.toolpath.segments;
         let stands_after = |index: usize| {
             let (before, after) = (&segments.at(index), &segments.at(index + 1));
-            let has_rapid = before.motion == Motion::Rapid || after.motion == Motion::Rapid;
+            let has_rapid = before.motion.is_rapid() || after.motion.is_rapid();
             before.exact_stop
                 || case.toolpath.stops.iter().any(|stop| stop.after == index + 1)
                 || case.machine.interpolator.exact_stop_angle + 1e-6 < turn(before, after)
@@ -378,7 +376,7 @@ fn corners_keep_the_jerk_of_each_axis() {
 fn a_rapid_override_is_of_what_the_axes_leave() {
     let mut machine =
         Machine { axes: [Axis { velocity: 100.0, ..Axis::default() }; 3], ..Machine::default() };
-    let rapid = line(Point::origin(), Point::new(30.0, 40.0, 0.0), Motion::Rapid);
+    let rapid = line(Point::origin(), Point::new(30.0, 40.0, 0.0), Motion::RAPID);
     for (set, ratio, expected) in
         [(200.0, 1.0, 125.0), (200.0, 0.6, 75.0), (90.0, 0.6, 54.0), (200.0, 2.0, 125.0)]
     {

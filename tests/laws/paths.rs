@@ -47,7 +47,7 @@ impl Case {
     /// Feedrate asked for along a segment, mm/s.
     pub fn requested(&self, segment: &Segment) -> f64 {
         match segment.motion {
-            Motion::Rapid => self.machine.rapid.feedrate,
+            Motion::Rapid { .. } => self.machine.rapid.feedrate,
             Motion::Feed { feedrate } => feedrate,
         }
     }
@@ -118,7 +118,7 @@ fn path(random: &mut Random) -> Toolpath {
     let mut toolpath = Toolpath::default();
     for index in 0..count {
         if random.chance(0.2) {
-            motion = if random.chance(0.2) { Motion::Rapid } else { feed(random) };
+            motion = if random.chance(0.2) { Motion::RAPID } else { feed(random) };
         }
         heading = match random.unit() {
             turn if turn < 0.2 => heading,

@@ -2,7 +2,7 @@
 
 use crate::laws::paths::{Case, cases};
 use truefeed::simulation::profile::{Profile, Resolution};
-use truefeed::simulation::toolpath::{Motion, Point};
+use truefeed::simulation::toolpath::Point;
 
 /// What is promised of straight lines between the rows, as a part of the commanded feedrate.
 const PROMISED: f64 = 1e-3;
@@ -36,7 +36,7 @@ fn straight_lines_between_fine_rows_follow_the_profile() {
         // The line of a row is the number of its segment.
         let commanded = |row: usize| {
             let segment = case.toolpath.segments.at(samples.line[row] as usize - 1);
-            if segment.motion == Motion::Rapid { fastest } else { case.requested(&segment) }
+            if segment.motion.is_rapid() { fastest } else { case.requested(&segment) }
         };
         for _ in 0..200 {
             let at = random.between(0.0, time);

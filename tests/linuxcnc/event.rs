@@ -131,7 +131,7 @@ fn deed_of_stop(cause: StopCause) -> Option<Deed> {
 
 fn move_of(segment: &Segment) -> Move {
     let feedrate = match segment.motion {
-        Motion::Rapid => None,
+        Motion::Rapid { .. } => None,
         Motion::Feed { feedrate } => Some(60.0 * feedrate),
     };
     let arc = match &segment.curve {

@@ -3,7 +3,7 @@
 use truefeed::identification::diagnosis::{Diagnosis, Verdict, diagnose};
 use truefeed::identification::effects::Reported;
 use truefeed::machine::Machine;
-use truefeed::simulation::toolpath::{Motion, Segment};
+use truefeed::simulation::toolpath::Segment;
 
 use crate::sceptic::{Rows, csv, diagnosed, laid, machine, program, recorded, toolpath};
 
@@ -201,7 +201,7 @@ fn an_override_acts_on_every_line_on_which_it_is_in_force() {
     let ids: Vec<&str> = diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.effect.id).collect();
     assert_eq!(ids, ["feed_override"]);
     let lines = &diagnosis.causes[0].lines;
-    let feeds = |segment: &Segment| segment.motion != Motion::Rapid && 8 < segment.line.0;
+    let feeds = |segment: &Segment| !segment.motion.is_rapid() && 8 < segment.line.0;
     for segment in toolpath(&program(), &machine()).segments.iter().filter(feeds) {
         let line = segment.line.0;
         assert!(lines.iter().any(|(first, last)| *first <= line && line <= *last), "{line}: {lines:?}");

@@ -12,7 +12,7 @@ use crate::identification::alignment::{
 use crate::identification::recording::{Recording, check_unit_on_lines};
 use crate::machine::Machine;
 use crate::simulation::simulate;
-use crate::simulation::toolpath::{Motion, Toolpath};
+use crate::simulation::toolpath::Toolpath;
 
 /// Aligns a recording within `run` (s) by its line numbers; `has_start` and `has_end` are `true` if the
 /// control's status marks the beginning and the end of the run.
@@ -89,7 +89,7 @@ fn settle_feed(recording: &Recording, toolpath: &Toolpath) -> Result<Recording, 
     let mut cutting = HashSet::new();
     let mut mixed = HashSet::new();
     for segment in &toolpath.segments {
-        let set = if segment.motion == Motion::Rapid { &mut mixed } else { &mut cutting };
+        let set = if segment.motion.is_rapid() { &mut mixed } else { &mut cutting };
         set.insert(segment.line.0);
     }
     mixed.extend(toolpath.stops.iter().map(|stop| stop.line.0));

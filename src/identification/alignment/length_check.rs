@@ -7,7 +7,7 @@
 use crate::identification::alignment::place::{ProgramPlace, Visit};
 use crate::identification::alignment::{AlignmentError, Mark};
 use crate::identification::recording::{Channel, ChannelUnit};
-use crate::simulation::toolpath::{Motion, Toolpath};
+use crate::simulation::toolpath::Toolpath;
 
 /// Least length that is compared, in multiples of the length run in one poll.
 const RESOLVED_POLLS: f64 = 5.0;
@@ -34,7 +34,7 @@ pub fn check_lengths(
         return Ok(());
     }
     let cuts = |visit: &Visit| {
-        let is_feed = |segment: usize| toolpath.segments.motion(segment) != Motion::Rapid;
+        let is_feed = |segment: usize| !toolpath.segments.motion(segment).is_rapid();
         visit.stops.is_empty() && visit.segments.clone().all(is_feed)
     };
     let (mut compared, mut agreed) = (0.0, 0.0);

@@ -179,7 +179,7 @@ struct ClockReading {
 fn fastest(toolpath: &Toolpath, index: usize, blends_widely: bool) -> f64 {
     let asked = |index: usize| match toolpath.segments.motion(index) {
         Motion::Feed { feedrate } => feedrate,
-        Motion::Rapid => 0.0,
+        Motion::Rapid { .. } => 0.0,
     };
     let own = asked(index);
     let before = index.checked_sub(1).map_or(own, |before| own.max(asked(before)));
@@ -199,7 +199,7 @@ impl<'a> CuttingClock<'a> {
             match segment.motion {
                 Motion::Feed { .. } => seconds += segment.length / fastest(toolpath, index, blends_widely),
                 // Places on a rapid and behind it are not comparable either.
-                Motion::Rapid => pause += 2,
+                Motion::Rapid { .. } => pause += 2,
             }
         }
         before.push((seconds, pause + toolpath.stops.len() - stop));
@@ -222,10 +222,10 @@ impl<'a> CuttingClock<'a> {
                 line,
             },
             // A rapid is not timed; cutting ends where it begins.
-            (Motion::Rapid, _) if distance <= self.distances[index] => {
+            (Motion::Rapid { .. }, _) if distance <= self.distances[index] => {
                 ClockReading { seconds, distance, pause, line }
             }
-            (Motion::Rapid, _) => ClockReading { seconds, distance, pause: pause + 1, line },
+            (Motion::Rapid { .. }, _) => ClockReading { seconds, distance, pause: pause + 1, line },
         }
     }
 }

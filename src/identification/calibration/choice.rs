@@ -5,7 +5,7 @@
 //! the front file).
 
 use crate::identification::calibration::motion::{motion, spindle_ramp};
-use crate::identification::calibration::rapids::{RapidPlateaus, is_limited_as_rapids};
+use crate::identification::calibration::rapids::{RapidPlateaus, RapidRates, is_limited_as_rapids};
 use crate::identification::calibration::{
     BETTER_STEPS, MIN_CONTRADICTING_COST, MIN_ORDER_COST_DROP, MIN_ORDER_COST_DROP_RATIO,
     ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, compared, polled, run_fit, set_order, steps, waits,
@@ -69,8 +69,12 @@ impl<'a> Fitting<'a> {
         if runs.iter().flat_map(|run| &run.toolpath.stops).any(|stop| stop.cause.dwell().is_some()) {
             waits.push((DWELL_EXCESS.calibrated(INITIAL_DWELL_EXCESS_S), machine.times.dwell_excess));
         }
+        let plateaus = RapidPlateaus::of(runs);
+        if let Some(seen) = plateaus {
+            guess.rapid.at_feedrate = seen.feedrates.are_programmed(guess.rapid.at_feedrate);
+        }
         let share = Share { done: 0.0, part: 0.2, progress };
-        (Fitting { machine, runs, waits, plateaus: RapidPlateaus::of(runs), share }, guess)
+        (Fitting { machine, runs, waits, plateaus, share }, guess)
     }
 
     /// Returns the model that is nearest to the runs, and the cost of each order of filters tried.
@@ -120,13 +124,10 @@ impl<'a> Fitting<'a> {
     /// Takes the rate of Z, then that along the path, from the rapids of a planner with a minimum cruise ratio if the runs do
     /// not contradict that: such a planner also holds the velocity of rapids that are too short for their rate.
     fn drop_idle_rapid_rates(&mut self, model: &mut Model) {
-        let without_z =
-            |seen: RapidPlateaus| RapidPlateaus { axes: [seen.axes[0], seen.axes[1], None], ..seen };
-        let without_path = |seen: RapidPlateaus| RapidPlateaus { path: None, ..seen };
-        for drop in [without_z, without_path] {
+        for drop in [RapidRates::without_z, RapidRates::without_path] {
             let has_cruise_ratio = 0.0 < model.best.machine.interpolator.minimum_cruise_ratio;
             let Some(seen) = self.plateaus.filter(|_| has_cruise_ratio) else { return };
-            let without = drop(seen);
+            let without = seen.with_rates(drop);
             if without == seen {
                 continue;
             }

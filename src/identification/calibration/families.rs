@@ -5,7 +5,7 @@
 //! family are the nearest of a grid of accelerations, the same for all axes, and values of its law of corners, and the
 //! nearest with an acceleration beside that. Rapids are as fast as their plateaus (`rapids`).
 
-use crate::identification::calibration::rapids::{RapidPlateaus, limit_feed_as_rapids};
+use crate::identification::calibration::rapids::{RapidPlateaus, RapidRates, limit_feed_as_rapids};
 use crate::identification::calibration::{nearest, nearest_with_cost};
 use crate::identification::effects::parameters::{
     JUNCTION_RATIOS, MAX_OVERRIDE, PATH_JERK, PLANNER_ACCELERATION,
@@ -307,18 +307,17 @@ fn with_rapids(
     seen: Option<RapidPlateaus>,
 ) -> Vec<Machine> {
     let rates = [machine.fastest_rapid(), fitted.fastest_rapid()];
-    let told = rates.map(|rate| RapidPlateaus {
-        path: Some(rate),
-        axes: [Some(rate); 3],
-        ..RapidPlateaus::default()
+    let told = rates.map(|rate| {
+        let rates = RapidRates { path: Some(rate), axes: [Some(rate); 3], guessed_axes: [false; 3] };
+        RapidPlateaus::default().with_rates(|_| rates)
     });
     let plateaus = seen.map_or(told.to_vec(), |seen| vec![seen]);
     // Klipper's rapids are moves with a feedrate like any other; the others run each axis at its own rate.
     // Its minimum cruise ratio also holds the velocity of rapids that are too short for their rate.
     let of = |seen: &RapidPlateaus| match family {
         Planner::SquareCorner => {
-            let unknown = RapidPlateaus { path: None, ..*seen };
-            let all = [Some(*seen), seen.path.map(|_| unknown)];
+            let unknown = seen.with_rates(RapidRates::without_path);
+            let all = [Some(*seen), seen.rates.path.map(|_| unknown)];
             all.into_iter().flatten().map(|seen| seen.limited_along_path(planner, machine)).collect()
         }
         _ => vec![seen.limited_by_axis(planner, machine)],

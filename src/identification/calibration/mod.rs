@@ -30,6 +30,7 @@ mod laws;
 mod motion;
 mod planners;
 mod ramp_doubt;
+mod rapid_feedrates;
 mod rapid_moves;
 mod rapids;
 mod spindle;

@@ -95,13 +95,13 @@ fn rapid_rates(
     plateaus: Option<RapidPlateaus>,
 ) -> Vec<(FreeParameter, f64)> {
     let mut all = Vec::new();
-    if guess.rapid.feedrate.is_finite() && plateaus.is_none_or(|seen| seen.path.is_some()) {
+    if guess.rapid.feedrate.is_finite() && plateaus.is_none_or(|seen| seen.rates(guess).path.is_some()) {
         let own = before.fastest_rapid();
         all.push((parameters::RAPID_FEEDRATE.calibrated_around(guess.rapid.feedrate, own), own));
     }
     for (axis, parameter) in parameters::AXIS_RAPID.into_iter().enumerate() {
         let start = guess.axes[axis].rapid;
-        if start.is_finite() && plateaus.is_none_or(|seen| seen.axes[axis].is_some()) {
+        if start.is_finite() && plateaus.is_none_or(|seen| seen.rates(guess).axes[axis].is_some()) {
             // A machine file that has no rapids of axes has that of all of them.
             let own = before.axes[axis].rapid.min(before.rapid.feedrate);
             let mut rapid = parameter.calibrated_around(start, own);

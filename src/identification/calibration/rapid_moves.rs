@@ -49,6 +49,35 @@ pub struct RapidMove {
     samples: (usize, usize),
     /// Distance that each axis moves, mm.
     length: Vector,
+    /// Programmed feedrate in force, with the feed override that the recording states, mm/s; infinite if there is none.
+    feedrate: f64,
+}
+
+/// The velocities of a rapid, each axis without its sign, mm/s.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RapidVelocity {
+    /// Velocities on plateaus.
+    pub held: Vec<Vector>,
+    /// `true` if a usual minimum cruise ratio does not explain the plateaus.
+    pub exceeds_cruise_ratio: bool,
+    /// Highest velocity along the rapid.
+    pub peak: Option<RapidPeak>,
+    /// Highest velocity of each axis.
+    pub fastest: Vector,
+    /// Highest velocity that each axis reached twice.
+    pub twice: Vector,
+    /// Rapid override.
+    pub override_ratio: f64,
+    /// Programmed feedrate, as in [`RapidMove`].
+    pub feedrate: f64,
+}
+
+impl RapidVelocity {
+    /// Returns the highest velocity along the path, mm/s.
+    pub fn along(&self) -> f64 {
+        let peak = self.peak.map(|peak| peak.velocity);
+        self.held.iter().chain(&peak).map(Vector::norm).fold(0.0, f64::max)
+    }
 }
 
 /// The highest velocity of a rapid.
@@ -75,14 +104,18 @@ pub fn rapid_moves(run: &Run, track: &Track, segment: impl Fn(&Fix) -> usize) ->
     let mut of_last = None;
     for fix in &run.alignment.fixes {
         let index = segment(fix);
-        let is_rapid = index < segments.len() && segments.motion(index) == Motion::Rapid;
+        let is_rapid = index < segments.len() && segments.motion(index).is_rapid();
         let Some(sample) = fix.sample.filter(|_| is_rapid) else { continue };
         match moves.last_mut().filter(|own| of_last == Some(index) && own.samples.1 + 1 == sample) {
             Some(own) => own.samples.1 = sample,
             None => {
                 let segment = segments.at(index);
                 let length = (segment.end - segment.start).abs();
-                moves.push(RapidMove { samples: (sample, sample), length });
+                let feedrate = match segment.motion {
+                    Motion::Rapid { modal_feedrate } => modal_feedrate * run.overrides.0.unwrap_or(1.0),
+                    Motion::Feed { feedrate } => feedrate,
+                };
+                moves.push(RapidMove { samples: (sample, sample), length, feedrate });
             }
         }
         of_last = Some(index);
@@ -92,9 +125,24 @@ pub fn rapid_moves(run: &Run, track: &Track, segment: impl Fn(&Fix) -> usize) ->
 }
 
 impl RapidMove {
+    /// Returns the velocities under the rapid override `override_ratio`. `error` is the largest error of a distance between
+    /// two samples, mm; `window` is the number of samples over which velocities count that are not held.
+    pub fn velocity(&self, track: &Track, window: usize, error: f64, override_ratio: f64) -> RapidVelocity {
+        let held: Vec<Vector> = self.held(track, error).collect();
+        RapidVelocity {
+            exceeds_cruise_ratio: self.exceeds_cruise_ratio(track, &held, error),
+            held,
+            peak: self.peak(track, window, error),
+            fastest: self.fastest(track, window),
+            twice: self.fastest_twice(track, window),
+            override_ratio,
+            feedrate: self.feedrate,
+        }
+    }
+
     /// Returns the velocities that the move holds, each axis without its sign, mm/s; `error` is the largest
     /// error of a distance between two samples, mm.
-    pub fn held(&self, track: &Track, error: f64) -> impl Iterator<Item = Vector> {
+    fn held(&self, track: &Track, error: f64) -> impl Iterator<Item = Vector> {
         let (first, last) = self.samples;
         let window = self.window(track, error);
         let begins = first..(last + 1).saturating_sub(window.saturating_mul(3));
@@ -103,7 +151,7 @@ impl RapidMove {
 
     /// Returns `true` if the move is at the velocities that it holds (mm/s) for a larger part of its length than any usual
     /// minimum cruise ratio. `error` is as for [`RapidMove::held`].
-    pub fn exceeds_cruise_ratio(&self, track: &Track, held: &[Vector], error: f64) -> bool {
+    fn exceeds_cruise_ratio(&self, track: &Track, held: &[Vector], error: f64) -> bool {
         let fastest = held.iter().map(Vector::norm).fold(0.0, f64::max);
         let windows =
             held.iter().filter(|held| (1.0 - PLATEAU_TOLERANCE_RATIO) * fastest <= held.norm()).count();
@@ -140,13 +188,13 @@ impl RapidMove {
     }
 
     /// Returns the highest velocity of each axis over `window` samples, mm/s.
-    pub fn fastest(&self, track: &Track, window: usize) -> Vector {
+    fn fastest(&self, track: &Track, window: usize) -> Vector {
         self.velocities(track, window).fold(Vector::zeros(), |fastest, own| fastest.sup(&own))
     }
 
     /// Returns the highest velocity of each axis that two separate times of `window` samples reach, mm/s: a jump of the recorder is
     /// in one of them only.
-    pub fn fastest_twice(&self, track: &Track, window: usize) -> Vector {
+    fn fastest_twice(&self, track: &Track, window: usize) -> Vector {
         let velocities: Vec<Vector> = self.velocities(track, window).collect();
         let mut fastest_later = Vector::zeros();
         let separate = velocities.iter().zip(velocities.iter().skip(window)).rev();
@@ -160,7 +208,7 @@ impl RapidMove {
     /// the move holds it for so long, otherwise that over the shortest window that noise allows, so that a limit that the
     /// move reaches for a moment is not averaged with its ramps. `error` is the largest error of a distance between two
     /// samples, mm.
-    pub fn peak(&self, track: &Track, window: usize, error: f64) -> Option<RapidPeak> {
+    fn peak(&self, track: &Track, window: usize, error: f64) -> Option<RapidPeak> {
         let fastest =
             |window: usize| self.velocities(track, window).max_by(|a, b| a.norm().total_cmp(&b.norm()));
         let [long, short] = [window, window.min(self.window_of_noise(track, error))].map(fastest);
@@ -227,7 +275,8 @@ mod tests {
                 Point::new(0.0, 0.0, z)
             })
             .collect();
-        let rapid = RapidMove { samples: (0, time.len() - 1), length: Vector::new(0.0, 0.0, z) };
+        let length = Vector::new(0.0, 0.0, z);
+        let rapid = RapidMove { samples: (0, time.len() - 1), length, feedrate: f64::INFINITY };
         (
             Track { time, position, recorded: [true; 3], noise: 1e-4, interval: INTERVAL_S, steps: [0.0; 3] },
             rapid,

@@ -9,14 +9,15 @@
 //! furthest, if that axis is nowhere faster where it cuts.
 
 use crate::identification::alignment::{Fix, Track};
+use crate::identification::calibration::rapid_feedrates::{RapidFeedrates, is_at_feedrate};
 use crate::identification::calibration::rapid_moves::{
-    PLATEAU_TOLERANCE_RATIO, RapidPeak, at_limit, plateau, rapid_moves,
+    PLATEAU_TOLERANCE_RATIO, RapidVelocity, at_limit, plateau, rapid_moves,
 };
 use crate::identification::fit::Run;
 use crate::machine::{Junction, Machine, Planner};
 use crate::simulation::feed::limits;
 use crate::simulation::ordered::sort_by_number;
-use crate::simulation::toolpath::{Curve, Motion, Segment, Vector};
+use crate::simulation::toolpath::{Curve, Segment, Vector};
 
 /// Window over which a velocity is taken, s.
 const WINDOW_S: f64 = 0.02;
@@ -32,18 +33,30 @@ const MIN_VISIT_INTERVAL_S: f64 = 0.2;
 const MIN_RAPIDS: usize = 2;
 /// Largest error of a velocity by noise, in standard deviations.
 const MAX_NOISE_DEVIATIONS: f64 = 4.0;
-/// The rapid velocities of plateaus, mm/s; `None` if there is no plateau.
+/// The rates of rapids that plateaus show, mm/s; `None` if there is no plateau.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RapidPlateaus {
-    /// Velocity along the path.
+pub struct RapidRates {
+    /// Rate along the path.
     pub path: Option<f64>,
-    /// Velocities of each axis in rapids, whether they are on a plateau or not.
-    pub reached: [ReachedVelocity; 3],
-    /// Velocity of each axis.
+    /// Rate of each axis.
     pub axes: [Option<f64>; 3],
-    /// `true` for each axis whose velocity may be no limit: in each diagonal that shows it, another axis may have held it
+    /// `true` for each axis whose rate may be no limit: in each diagonal that shows it, another axis may have held it
     /// back, unless axes are alike; or rapids of one length hold it so briefly that a minimum cruise ratio may be the reason.
     pub guessed_axes: [bool; 3],
+}
+
+/// The velocities of rapids and feed moves that runs show, mm/s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RapidPlateaus {
+    /// Rates of a control that runs rapids at rates of its own.
+    pub rates: RapidRates,
+    /// Rates of a control that runs rapids at the programmed feedrate. That is no limit of the machine, nor is what a minimum
+    /// cruise ratio may explain: such a control is usually Klipper.
+    pub rates_below_feedrate: RapidRates,
+    /// What the rapids say of their feedrate.
+    pub feedrates: RapidFeedrates,
+    /// Velocities of each axis in rapids, whether they are on a plateau or not.
+    pub reached: [ReachedVelocity; 3],
     /// Velocity of each axis on lines that are cut: first on lines where the axis was held back below its
     /// programmed velocity, then on all others.
     pub cut: [[Option<f64>; 3]; 2],
@@ -70,21 +83,45 @@ pub struct ReachedVelocity {
     pub certain: f64,
 }
 
-/// The velocities of the rapids of some runs, each axis without its sign, mm/s.
-#[derive(Default)]
-struct RapidVelocities {
-    /// Velocities on plateaus, without the rapid override.
-    at_full_rate: Vec<Vector>,
-    /// Highest velocity of each axis that no minimum cruise ratio explains, without the rapid override.
-    limited: Vector,
-    /// Highest velocity of each axis on a plateau.
-    held: Vector,
-    /// Highest velocity of each axis in each rapid.
-    fastest: Vec<Vector>,
-    /// Highest velocity that each axis reached twice in one rapid.
-    twice: Vector,
-    /// Highest velocity along each rapid, without the rapid override.
-    peaks: Vec<RapidPeak>,
+impl RapidRates {
+    /// Returns the rates of the machine that hold rapids back, without their override. Those that a minimum cruise ratio may
+    /// explain are guessed rates or, unless `guesses_count`, none.
+    fn of<'a>(rapids: impl Iterator<Item = &'a RapidVelocity>, guesses_count: bool) -> RapidRates {
+        let (mut all, mut peaks) = (Vec::new(), Vec::new());
+        // Highest velocity of each axis that no minimum cruise ratio explains.
+        let mut limited = Vector::zeros();
+        for RapidVelocity { held, exceeds_cruise_ratio, peak, override_ratio, .. } in rapids {
+            let at_full_rate = held.iter().map(|held| held / *override_ratio);
+            if *exceeds_cruise_ratio {
+                limited = at_full_rate.clone().fold(limited, |limited, held| limited.sup(&held));
+            }
+            if *exceeds_cruise_ratio || guesses_count {
+                all.extend(at_full_rate);
+            }
+            peaks.extend(peak.map(|peak| peak.at_full_rate(*override_ratio)));
+        }
+        for velocity in at_limit(&peaks) {
+            all.push(velocity);
+            limited = limited.sup(&velocity);
+        }
+        let path = all.iter().map(Vector::norm).reduce(f64::max);
+        let (axes, mut guessed_axes) = rates(&all);
+        for (axis, guessed) in guessed_axes.iter_mut().enumerate() {
+            let is_limited = |rate: f64| (1.0 - PLATEAU_TOLERANCE_RATIO) * rate <= limited[axis];
+            *guessed |= !axes[axis].is_none_or(is_limited);
+        }
+        RapidRates { path, axes, guessed_axes }
+    }
+
+    /// Returns the rates without that along the path.
+    pub fn without_path(self) -> RapidRates {
+        RapidRates { path: None, ..self }
+    }
+
+    /// Returns the rates without that of Z.
+    pub fn without_z(self) -> RapidRates {
+        RapidRates { axes: [self.axes[0], self.axes[1], None], ..self }
+    }
 }
 
 impl ReachedVelocity {
@@ -109,30 +146,37 @@ impl RapidPlateaus {
     /// Returns the fastest plateaus of the runs; `None` if no run has positions.
     pub fn of(runs: &[Run]) -> Option<RapidPlateaus> {
         let mut seen = RapidPlateaus::default();
-        let mut rapids = RapidVelocities::default();
+        let mut rapids = Vec::new();
         let with_positions = runs.iter().filter(|run| run.alignment.track.is_some());
         let count = with_positions.clone().map(|run| seen.take(run, &mut rapids)).count();
         let tracks = with_positions.filter_map(|run| run.alignment.track.as_ref());
         let error = tracks.map(|track| largest_error(track)).fold(0.0, f64::max) / WINDOW_S;
-        for velocity in at_limit(&rapids.peaks) {
-            rapids.at_full_rate.push(velocity);
-            rapids.limited = rapids.limited.sup(&velocity);
-        }
-        seen.path = rapids.at_full_rate.iter().map(Vector::norm).reduce(f64::max);
-        (seen.axes, seen.guessed_axes) = rates(&rapids.at_full_rate);
-        for (axis, guessed) in seen.guessed_axes.iter_mut().enumerate() {
-            let is_limited = |rate: f64| (1.0 - PLATEAU_TOLERANCE_RATIO) * rate <= rapids.limited[axis];
-            *guessed |= !seen.axes[axis].is_none_or(is_limited);
-        }
+        seen.feedrates = RapidFeedrates::of(&rapids);
+        seen.rates = RapidRates::of(rapids.iter(), true);
+        let below_feedrate = rapids.iter().filter(|rapid| !is_at_feedrate(rapid));
+        seen.rates_below_feedrate = RapidRates::of(below_feedrate, false);
         seen.reached = [0, 1, 2].map(|axis| {
-            let fastest_of_each = rapids.fastest.iter().map(|fastest| fastest[axis]).collect();
-            ReachedVelocity::of(fastest_of_each, rapids.twice[axis], error, rapids.held[axis])
+            let fastest_of_each = rapids.iter().map(|rapid| rapid.fastest[axis]).collect();
+            let twice = rapids.iter().map(|rapid| rapid.twice[axis]).fold(0.0, f64::max);
+            let held = rapids.iter().flat_map(|rapid| &rapid.held).map(|held| held[axis]).fold(0.0, f64::max);
+            ReachedVelocity::of(fastest_of_each, twice, error, held)
         });
         (0 < count).then_some(seen)
     }
 
-    /// Adds the plateaus of a run, to `rapids` the velocities of its rapids.
-    fn take(&mut self, run: &Run, rapids: &mut RapidVelocities) {
+    /// Returns the rates of the machine that the rapids show if they run as this machine runs them.
+    pub fn rates(&self, machine: &Machine) -> RapidRates {
+        if machine.rapid.at_feedrate { self.rates_below_feedrate } else { self.rates }
+    }
+
+    /// Returns the same with changed rates.
+    pub fn with_rates(self, change: impl Fn(RapidRates) -> RapidRates) -> RapidPlateaus {
+        let [rates, rates_below_feedrate] = [self.rates, self.rates_below_feedrate].map(change);
+        RapidPlateaus { rates, rates_below_feedrate, ..self }
+    }
+
+    /// Adds the plateaus of a run, to `rapids` its rapids.
+    fn take(&mut self, run: &Run, rapids: &mut Vec<RapidVelocity>) {
         let (Some(track), segments) = (&run.alignment.track, &run.toolpath.segments) else { return };
         let error = largest_error(track);
         let window = ((WINDOW_S / track.interval).ceil() as usize).max(MIN_SAMPLES);
@@ -140,27 +184,15 @@ impl RapidPlateaus {
         self.take_fastest(run, window);
         let segment = |fix: &Fix| segment_of(fix, &distances);
         let ratio = run.overrides.1.filter(|ratio| 0.0 < *ratio).unwrap_or(1.0);
-        for rapid in rapid_moves(run, track, segment) {
-            let held: Vec<Vector> = rapid.held(track, error).collect();
-            let exceeds_cruise_ratio = rapid.exceeds_cruise_ratio(track, &held, error);
-            for held in held {
-                rapids.held = rapids.held.sup(&held);
-                rapids.at_full_rate.push(held / ratio);
-                if exceeds_cruise_ratio {
-                    rapids.limited = rapids.limited.sup(&(held / ratio));
-                }
-            }
-            rapids.peaks.extend(rapid.peak(track, window, error).map(|peak| peak.at_full_rate(ratio)));
-            rapids.fastest.push(rapid.fastest(track, window));
-            rapids.twice = rapids.twice.sup(&rapid.fastest_twice(track, window));
-        }
+        let moves = rapid_moves(run, track, segment);
+        rapids.extend(moves.iter().map(|rapid| rapid.velocity(track, window, error, ratio)));
         for fixes in run.alignment.fixes.windows(3 * window + 1).step_by(window.div_ceil(2)) {
             let (begin, end) = (&fixes[0], &fixes[3 * window]);
             let (Some(first), Some(last)) = (begin.sample, end.sample) else { continue };
             let index = segment(begin);
             let is_one = index == segment(end) && last - first == 3 * window;
             let is_cut = index < segments.len()
-                && segments.motion(index) != Motion::Rapid
+                && !segments.motion(index).is_rapid()
                 && *segments.curve(index) == Curve::Line;
             if is_one && is_cut {
                 let velocity_error = error / (window as f64 * track.interval);
@@ -174,7 +206,7 @@ impl RapidPlateaus {
     /// samples.
     fn take_fastest(&mut self, run: &Run, window: usize) {
         let (Some(track), segments) = (&run.alignment.track, &run.toolpath.segments) else { return };
-        for segment in segments.iter().filter(|segment| segment.motion != Motion::Rapid) {
+        for segment in segments.iter().filter(|segment| !segment.motion.is_rapid()) {
             let asked = limits::requested_feedrate(&segment, &Machine::default());
             // On an arc an axis may be fastest between its ends.
             let shares = limits::largest_share(&segment);
@@ -186,7 +218,7 @@ impl RapidPlateaus {
         let distances = run.toolpath.distances();
         let is_feed = |fix: &Fix| {
             let at = segment_of(fix, &distances);
-            at < segments.len() && segments.motion(at) != Motion::Rapid
+            at < segments.len() && !segments.motion(at).is_rapid()
         };
         let mut speeds: [Vec<(f64, f64)>; 3] = Default::default();
         let mut along = Vec::new();
@@ -285,9 +317,11 @@ impl RapidPlateaus {
     /// plateau, those of X and Y counting for both, the machine file gives the rate, and the axis is at least as fast as it was.
     pub fn limited_by_axis(&self, machine: &Machine, file: &Machine) -> Machine {
         let held_back = machine.axes.iter().map(|axis| axis.velocity).filter(|velocity| velocity.is_finite());
-        let fastest = self.axes.iter().flatten().copied().chain(held_back).reduce(f64::max);
         let mut limited = machine.clone();
         limited.rapid.feedrate = f64::INFINITY;
+        limited.rapid.at_feedrate = self.feedrates.are_programmed(machine.rapid.at_feedrate);
+        let rates = self.rates(&limited).axes;
+        let fastest = rates.iter().flatten().copied().chain(held_back).reduce(f64::max);
         for (at, axis) in limited.axes.iter_mut().enumerate() {
             let reached = self.reached[at];
             let known = axis.velocity.is_finite().then_some(axis.velocity);
@@ -296,20 +330,24 @@ impl RapidPlateaus {
             let pair = if at < 2 { &self.reached[..2] } else { &self.reached[2..] };
             let alike = alike.filter(|alike| pair.iter().all(|reached| reached.certain <= *alike));
             let of_file = axis.rapid.min(file.rapid.feedrate).max(reached.fastest);
-            axis.rapid = self.axes[at].or(known).or(alike).unwrap_or(of_file);
+            axis.rapid = rates[at].or(known).or(alike).unwrap_or(of_file);
         }
         limited
     }
 
-    /// Returns the machine whose rapids are limited along the path, as on the plateaus, or else as in the machine file, and by
-    /// Z if that is slower.
+    /// Returns the machine whose rapids are limited along the path, as on the plateaus, or else as in the machine file, by
+    /// Z if that is slower, and by the programmed feedrate unless they exceed it: so does Klipper.
     pub fn limited_along_path(&self, machine: &Machine, file: &Machine) -> Machine {
         let mut limited = machine.clone();
-        let along_path = self.path.unwrap_or(file.fastest_rapid());
+        limited.rapid.at_feedrate = self.feedrates.are_programmed(true);
+        let rates = self.rates(&limited);
+        // What a rapid held at its feedrate, the machine can do.
+        let can_do = file.fastest_rapid().max(self.rates.path.unwrap_or(0.0));
+        let along_path = rates.path.unwrap_or(can_do);
         limited.rapid.feedrate = along_path;
         limited.axes.iter_mut().for_each(|axis| axis.rapid = f64::INFINITY);
         let is_slower = |own: &f64| *own < MAX_SLOWER_RATIO * along_path;
-        limited.axes[2].rapid = self.axes[2].filter(is_slower).unwrap_or(f64::INFINITY);
+        limited.axes[2].rapid = rates.axes[2].filter(is_slower).unwrap_or(f64::INFINITY);
         limited
     }
 }
@@ -353,7 +391,9 @@ fn rates(rapids: &[Vector]) -> ([Option<f64>; 3], [bool; 3]) {
 /// alike: LinuxCNC's MAX_VELOCITY, grbl's $110. LinuxCNC plans corners by it, however slow the feed. An axis that was
 /// programmed to cut faster keeps the limit that was fitted.
 pub fn limit_feed_as_rapids(machine: &mut Machine, plateaus: Option<RapidPlateaus>) {
-    let Some(seen) = plateaus.filter(|seen| seen.axes != [None; 3] && limits_rapids_as_feed(machine)) else {
+    let Some(seen) =
+        plateaus.filter(|seen| seen.rates(machine).axes != [None; 3] && limits_rapids_as_feed(machine))
+    else {
         return;
     };
     for (axis, asked) in machine.axes.iter_mut().zip(seen.fastest_asked) {
@@ -383,9 +423,10 @@ fn limits_rapids_as_feed(machine: &Machine) -> bool {
 pub fn assumed(machine: &Machine, plateaus: Option<RapidPlateaus>) -> [bool; 3] {
     let Some(seen) = plateaus else { return [false; 3] };
     let is_along_path = machine.rapid.feedrate.is_finite();
+    let rates = seen.rates(machine);
     let is_assumed = |axis: usize| match is_along_path {
-        true => seen.path.is_none(),
-        false => seen.axes[axis].is_none() || seen.guessed_axes[axis],
+        true => rates.path.is_none(),
+        false => rates.axes[axis].is_none() || rates.guessed_axes[axis],
     };
     [0, 1, 2].map(is_assumed)
 }
@@ -394,7 +435,7 @@ pub fn assumed(machine: &Machine, plateaus: Option<RapidPlateaus>) -> [bool; 3] 
 /// `before`. It is more accurate than what a fit makes of the little time that such a limit costs.
 pub fn recorded(axis: usize, before: f64, machine: &Machine, plateaus: Option<RapidPlateaus>) -> Option<f64> {
     let seen = plateaus.filter(|_| !machine.has_filters() && !assumed(machine, plateaus)[axis])?;
-    seen.axes[axis].filter(|rate| PLATEAU_TOLERANCE_RATIO * rate < (before - rate).abs())
+    seen.rates(machine).axes[axis].filter(|rate| PLATEAU_TOLERANCE_RATIO * rate < (before - rate).abs())
 }
 
 /// Returns the standard deviation of a rate (mm/s) that is read off plateaus, mm/s: rates that agree to the part
@@ -459,12 +500,13 @@ mod tests {
         machine.interpolator.junction = Junction::AccelerationBlend;
         machine.rapid.feedrate = f64::INFINITY;
         let axes = [Some(123.0), Some(90.0), None];
-        let seen = RapidPlateaus { axes, guessed_axes: [true, false, false], ..RapidPlateaus::default() };
+        let rates = RapidRates { path: None, axes, guessed_axes: [true, false, false] };
+        let seen = RapidPlateaus { rates, ..RapidPlateaus::default() };
         assert_eq!(assumed(&machine, Some(seen)), [true, false, true]);
         // Filters are no other in this: here their rapids are limited along the path.
         assert_eq!(assumed(&Machine::default(), Some(seen)), [true; 3]);
-        let path = Some(123.0);
-        assert_eq!(assumed(&Machine::default(), Some(RapidPlateaus { path, ..seen })), [false; 3]);
+        let with_path = seen.with_rates(|rates| RapidRates { path: Some(123.0), ..rates });
+        assert_eq!(assumed(&Machine::default(), Some(with_path)), [false; 3]);
     }
 
     #[test]
@@ -479,7 +521,7 @@ mod tests {
         assert_eq!(given(without_plateau), [machine.rapid.feedrate, 60.0, 60.0]);
         // Z shows 50 mm/s and Y was faster: X may be as fast as Y.
         let z_and_y = RapidPlateaus {
-            axes: [None, None, Some(50.0)],
+            rates: RapidRates { axes: [None, None, Some(50.0)], ..RapidRates::default() },
             reached: [0.0, 70.0, 50.0].map(|certain| ReachedVelocity { certain, fastest: certain }),
             ..RapidPlateaus::default()
         };

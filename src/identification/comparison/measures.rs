@@ -109,7 +109,7 @@ pub fn feed_error_during(
         let times =
             toolpath.segments.range(at(range.start)..at(range.end)).map(|segment| match segment.motion {
                 Motion::Feed { feedrate } => segment.length / feedrate,
-                Motion::Rapid => f64::NAN,
+                Motion::Rapid { .. } => f64::NAN,
             });
         times.sum()
     };

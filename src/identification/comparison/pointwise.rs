@@ -83,7 +83,7 @@ struct MotionPiece {
 /// Returns the programmed feedrate on a segment, mm/s; `None` if it, or any move between two distances (mm)
 /// around it, is rapid.
 fn programmed(toolpath: &Toolpath, profile: &Profile, segment: usize, around: [f64; 2]) -> Option<f64> {
-    let is_rapid = |at: usize| toolpath.segments.at(at).motion == Motion::Rapid;
+    let is_rapid = |at: usize| toolpath.segments.at(at).motion.is_rapid();
     let before = (0..segment).rev().take_while(|at| around[0] < profile.distance_before(at + 1));
     let after =
         (segment + 1..toolpath.segments.len()).take_while(|at| profile.distance_before(*at) < around[1]);
@@ -92,7 +92,7 @@ fn programmed(toolpath: &Toolpath, profile: &Profile, segment: usize, around: [f
     }
     match toolpath.segments.at(segment).motion {
         Motion::Feed { feedrate } => Some(feedrate),
-        Motion::Rapid => None,
+        Motion::Rapid { .. } => None,
     }
 }
 

@@ -31,7 +31,7 @@ use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::Machine;
 use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 use crate::simulation::feed::limits::requested_feedrate;
-use crate::simulation::toolpath::{Motion, Segment};
+use crate::simulation::toolpath::Segment;
 
 /// Largest part of the time that the earlier causes explain which a further cause may cancel.
 const MAX_CANCELLED_PART: f64 = 0.5;
@@ -193,8 +193,7 @@ fn is_like_override_of_rapids(
     runs: &[Run],
 ) -> bool {
     let is_as_fast = |segment: &Segment| {
-        segment.motion == Motion::Rapid
-            || requested_feedrate(segment, current) <= requested_feedrate(segment, with)
+        segment.motion.is_rapid() || requested_feedrate(segment, current) <= requested_feedrate(segment, with)
     };
     candidate.hypothesis.effect == AXIS_VELOCITY_LIMIT
         && current.calibrated_on.assumed_rapids == [true; 3]

@@ -19,7 +19,6 @@ use crate::identification::effects::{
 use crate::identification::fit::{Run, golden_section};
 use crate::machine::{Machine, Overrides};
 use crate::simulation::ordered::sort_by_number;
-use crate::simulation::toolpath::Motion;
 
 /// Most parts of a run, between which a range may begin and end.
 const BINS: usize = 300;
@@ -192,7 +191,7 @@ impl OverrideSpan {
     /// override is in force. `distances` are those of the toolpath, mm.
     fn as_shown(self, run: &Run, distances: &[f64]) -> OverrideSpan {
         let segments = &run.toolpath.segments;
-        let is_feed = |segment: &usize| segments.motion(*segment) != Motion::Rapid;
+        let is_feed = |segment: &usize| !segments.motion(*segment).is_rapid();
         let (first, last) = ((0..segments.len()).find(is_feed), (0..segments.len()).rfind(is_feed));
         OverrideSpan {
             from: self.from.filter(|from| first.is_some_and(|first| distances[first] < *from)),

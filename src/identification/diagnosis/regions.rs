@@ -156,7 +156,7 @@ fn switched(without: &Machine, with: &Machine, run: &Run) -> Vec<u32> {
         let (overrides, line) = (&machine.overrides, segment.line.0);
         let of_feed = of_feed(overrides, at, line);
         match segment.motion {
-            Motion::Rapid => overrides.of_rapid(line) * machine.rapid_ratio_at(of_feed),
+            Motion::Rapid { .. } => overrides.of_rapid(line) * machine.rapid_ratio_at(of_feed),
             Motion::Feed { .. } => of_feed,
         }
     };

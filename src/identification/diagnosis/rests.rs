@@ -45,7 +45,7 @@ use crate::machine::{Handle, Machine};
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::feed::limits::{TANGENTIAL_ACCELERATION_SHARE, acceleration, requested_feedrate};
 use crate::simulation::profile::Profile;
-use crate::simulation::toolpath::{Motion, Segment, Segments, Stop, Toolpath};
+use crate::simulation::toolpath::{Segment, Segments, Stop, Toolpath};
 
 /// Shortest rest, s.
 pub const MIN_REST_S: f64 = 0.1;
@@ -206,7 +206,7 @@ fn add(found: &mut Vec<Rest>, rest: Rest) {
 /// limit, and the filter delay. On the arc that blends two blocks, LinuxCNC brakes with half of the acceleration of its
 /// weakest axis.
 pub fn stopping_time(run: &Run, machine: &Machine, plan: &FeedPlan) -> f64 {
-    let feeds = run.toolpath.segments.iter().filter(|segment| segment.motion != Motion::Rapid);
+    let feeds = run.toolpath.segments.iter().filter(|segment| !segment.motion.is_rapid());
     let weakest = machine.axes.iter().map(|axis| axis.acceleration).fold(f64::INFINITY, f64::min);
     let has_blends = machine.interpolator.junction.blends_in_time();
     let on_blend = if has_blends { TANGENTIAL_ACCELERATION_SHARE * weakest } else { f64::INFINITY };

@@ -121,8 +121,9 @@ fn assumed_waits(machine: &Machine, runs: &[Run]) -> Vec<FreeParameter> {
 fn with_plateaus(machine: &Machine, seen: &RapidPlateaus) -> Machine {
     let mut machine = machine.clone();
     let assumed = machine.calibrated_on.assumed_rapids;
+    let rates = seen.rates(&machine);
     for ((axis, seen), _) in
-        machine.axes.iter_mut().zip(seen.axes).zip(assumed).filter(|(_, assumed)| *assumed)
+        machine.axes.iter_mut().zip(rates.axes).zip(assumed).filter(|(_, assumed)| *assumed)
     {
         let has_one_velocity = axis.velocity == axis.rapid;
         axis.rapid = seen.filter(|_| axis.rapid.is_finite()).unwrap_or(axis.rapid);
@@ -131,7 +132,7 @@ fn with_plateaus(machine: &Machine, seen: &RapidPlateaus) -> Machine {
         }
     }
     if assumed == [true; 3] && machine.rapid.feedrate.is_finite() {
-        machine.rapid.feedrate = seen.path.unwrap_or(machine.rapid.feedrate);
+        machine.rapid.feedrate = rates.path.unwrap_or(machine.rapid.feedrate);
     }
     machine
 }

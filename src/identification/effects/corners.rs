@@ -6,7 +6,7 @@ use crate::identification::effects::report::{ARC_TOLERANCE, AT, CONTOUR_TOLERANC
 use crate::identification::fit::Run;
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::rounding;
-use crate::simulation::toolpath::{Curve, Motion, Segment};
+use crate::simulation::toolpath::{Curve, Segment};
 use crate::units::mm_per_min;
 
 /// Variant of a tolerance that also merges lines.
@@ -125,7 +125,7 @@ fn smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<Hypothes
 fn least_joint(runs: &[Run]) -> f64 {
     let pairs = runs.iter().flat_map(|run| run.toolpath.segments.pairs());
     let joints = pairs.filter_map(|(before, after)| {
-        let is_cut = |segment: &Segment| segment.curve == Curve::Line && segment.motion != Motion::Rapid;
+        let is_cut = |segment: &Segment| segment.curve == Curve::Line && !segment.motion.is_rapid();
         if !is_cut(&before) || !is_cut(&after) || before.motion != after.motion || before.exact_stop {
             return None;
         }

@@ -150,7 +150,7 @@ impl<'a> Context<'a> {
             for segment in &run.toolpath.segments {
                 let feedrate = match segment.motion {
                     Motion::Feed { feedrate } => feedrate,
-                    Motion::Rapid => {
+                    Motion::Rapid { .. } => {
                         context.has_rapid = true;
                         rapid_feedrate(&segment, machine)
                     }

@@ -12,7 +12,7 @@ use crate::identification::effects::waits::StopKind;
 use crate::identification::fit::{FreeParameter, Run};
 use crate::machine::{InPosition, Junction};
 use crate::simulation::ordered::sort_by_number;
-use crate::simulation::toolpath::{Motion, Segment, Stop, Toolpath, angle_between};
+use crate::simulation::toolpath::{Segment, Stop, Toolpath, angle_between};
 
 /// Least difference between the successive turn angles of corners for a stopping angle between them to be tried,
 /// rad.
@@ -50,7 +50,7 @@ pub fn exact_stops(effect: Effect, context: &Context) -> Vec<Hypothesis> {
 /// for is tried.
 fn exact_path(effect: Effect, context: &Context, angle: FreeParameter) -> Option<Hypothesis> {
     let interpolator = &context.machine.interpolator;
-    let is_blended = |segment: Segment| segment.motion != Motion::Rapid && !segment.exact_stop;
+    let is_blended = |segment: Segment| !segment.motion.is_rapid() && !segment.exact_stop;
     let has_blends = context.runs.iter().any(|run| run.toolpath.segments.iter().any(is_blended));
     if !has_blends || !matches!(interpolator.junction, Junction::AccelerationBlend | Junction::ParabolicBlend)
     {
@@ -70,10 +70,8 @@ fn exact_path(effect: Effect, context: &Context, angle: FreeParameter) -> Option
 /// and at the existing full stops.
 pub fn in_position_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let Context { machine, runs, .. } = context;
-    let rapids = runs
-        .iter()
-        .flat_map(|run| run.toolpath.segments.iter())
-        .filter(|segment| segment.motion == Motion::Rapid);
+    let rapids =
+        runs.iter().flat_map(|run| run.toolpath.segments.iter()).filter(|segment| segment.motion.is_rapid());
     let has_rapid = MAX_SINGLE_RAPIDS < rapids.count();
     let has_stops = machine.interpolator.stopping_angle() < std::f64::consts::PI
         || runs.iter().any(|run| run.toolpath.segments.iter().any(|segment| segment.exact_stop));

@@ -23,7 +23,7 @@ fn trials(runs: &[Run]) -> Vec<f64> {
     let mut durations: Vec<f64> = segments
         .filter_map(|segment| match segment.motion {
             Motion::Feed { feedrate } => Some(segment.length / feedrate),
-            Motion::Rapid => None,
+            Motion::Rapid { .. } => None,
         })
         .filter(|duration| 0.0 < *duration && duration.is_finite())
         .collect();

@@ -40,7 +40,7 @@ use crate::identification::comparison::{Comparison, RampMisfit, compare, ramp_wi
 use crate::machine::Machine;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::simulate;
-use crate::simulation::toolpath::{Motion, Toolpath};
+use crate::simulation::toolpath::Toolpath;
 
 /// Relative cost decrease below which the fit stops (MINPACK `ftol`).
 pub const FTOL: f64 = 1e-4;
@@ -95,7 +95,7 @@ impl Run<'_> {
 
     /// Returns `true` if the program has rapid moves.
     pub fn has_rapid(&self) -> bool {
-        self.toolpath.segments.iter().any(|segment| segment.motion == Motion::Rapid)
+        self.toolpath.segments.iter().any(|segment| segment.motion.is_rapid())
     }
 
     /// Returns `true` if another run has the same program and, on this machine, the same override switches.

@@ -18,7 +18,7 @@ pub fn blocks(course: &RunCourse) -> LawEvents {
         Motion::Feed { feedrate } => {
             *segments.curve(segment) == Curve::Line && segments.length(segment) < MAX_SHORT_BLOCK_S * feedrate
         }
-        Motion::Rapid => false,
+        Motion::Rapid { .. } => false,
     };
     let goes_on =
         |segment: usize| !course.stops_before(segment + 1) && course.turn(segment) < MAX_BLOCK_TURN_RAD;

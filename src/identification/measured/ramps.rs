@@ -2,7 +2,7 @@
 
 use crate::identification::measured::events::{LawEvent, LawEvents};
 use crate::identification::measured::run_course::RunCourse;
-use crate::simulation::toolpath::{Curve, Motion};
+use crate::simulation::toolpath::Curve;
 
 /// Part of the largest feedrate of a rapid below which a corner counts as a standstill.
 const STANDSTILL_RATIO: f64 = 0.1;
@@ -19,7 +19,7 @@ pub fn ramps(course: &RunCourse) -> LawEvents {
         let speed = speed_of(course, segment);
         found.places += ends.iter().filter(|is_stop| **is_stop).count();
         let Some(plateau) = speed.and_then(|speed| course.plateau(segment, speed)) else { continue };
-        let rapid = if segments.motion(segment) == Motion::Rapid { " rapid" } else { "" };
+        let rapid = if segments.motion(segment).is_rapid() { " rapid" } else { "" };
         let variant = format!("{}{rapid}", course.along(segment));
         for (at, is_stop) in ends.into_iter().enumerate() {
             let rise = is_stop.then(|| course.ramp(&plateau, at == 0)).flatten();
@@ -36,7 +36,7 @@ pub fn rapids(course: &RunCourse) -> LawEvents {
     let mut found = LawEvents::default();
     let segments = &course.toolpath.segments;
     for segment in 0..segments.len() {
-        if segments.motion(segment) != Motion::Rapid {
+        if !segments.motion(segment).is_rapid() {
             continue;
         }
         found.places += 1;

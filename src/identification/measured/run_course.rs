@@ -75,7 +75,7 @@ impl<'a> RunCourse<'a> {
     pub fn commanded(&self, segment: usize) -> Option<f64> {
         match self.toolpath.segments.motion(segment) {
             Motion::Feed { feedrate } => Some(self.ratio * feedrate),
-            Motion::Rapid => None,
+            Motion::Rapid { .. } => None,
         }
     }
 

@@ -85,7 +85,7 @@ const NAMES: [Parameter; 2] = [
     ),
 ];
 
-const GENERAL: [Parameter; 28] = [
+const GENERAL: [Parameter; 29] = [
     row!(
         "interpolator.filters",
         "Filters",
@@ -131,6 +131,12 @@ const GENERAL: [Parameter; 28] = [
         "Feedrate of rapid moves along the path. Empty: only the rapids of the axes limit it, and each axis needs one."),
     row!("rapid.rotary_deg_min", "Rapid rate of rotary axes", value DegreePerMinute (1.0, 1e7) [rapid.rotary_rate] or DEFAULT_ROTARY_RATE_RAD_S,
         "Rate of each of A, B and C in rapid. Empty: 9000 (25 rev/min)."),
+    row!(
+        "rapid.at_feedrate",
+        "Rapids at F",
+        flag[rapid.at_feedrate],
+        "Rapids run at the feedrate that F has set, up to the rapid feedrates, and the feed override acts on them, as on Klipper and Marlin."
+    ),
     row!(
         "rapid.exact_stop",
         "Stop around rapids",

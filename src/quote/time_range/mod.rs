@@ -195,7 +195,7 @@ pub fn error_beyond_calibration(toolpath: &Toolpath, machine: &Machine) -> Optio
 
 fn add(asked: &mut CalibratedOn, toolpath: &Toolpath, segment: usize) {
     match toolpath.segments.motion(segment) {
-        Motion::Rapid => {
+        Motion::Rapid { .. } => {
             let way = axis_travels(toolpath, segment);
             let longest = asked.rapids.get_or_insert([0.0; 3]);
             longest.iter_mut().zip(way).for_each(|(longest, way)| *longest = longest.max(way));
@@ -222,7 +222,7 @@ fn axis_travels(toolpath: &Toolpath, segment: usize) -> [f64; 3] {
 /// Returns the turn to the next feed move, rad; `None` if there is no corner.
 fn turn_after(toolpath: &Toolpath, segment: usize) -> Option<f64> {
     let next = segment + 1;
-    let is_feed = |at: usize| toolpath.segments.motion(at) != Motion::Rapid;
+    let is_feed = |at: usize| !toolpath.segments.motion(at).is_rapid();
     if toolpath.segments.len() <= next || !is_feed(segment) || !is_feed(next) {
         return None;
     }
@@ -378,7 +378,7 @@ fn stopping_loss(segment: &Segment, machine: &Machine) -> f64 {
 /// they showed all of it.
 fn unshown(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts: f64) -> Option<Unshown> {
     let on = &machine.calibrated_on;
-    if let (Motion::Rapid, Some(shown)) = (toolpath.segments.motion(segment), on.velocities) {
+    if let (Motion::Rapid { .. }, Some(shown)) = (toolpath.segments.motion(segment), on.velocities) {
         return faster_rapid(&toolpath.segments.at(segment), machine, shown);
     }
     let feature = unshown_feature(toolpath, machine, segment)?;
@@ -401,7 +401,7 @@ fn unshown_feature(toolpath: &Toolpath, machine: &Machine, segment: usize) -> Op
                 .is_none_or(|shown| has_faster_axis(&toolpath.segments.at(segment), machine, shown))
     };
     match (toolpath.segments.motion(segment), toolpath.segments.curve(segment)) {
-        (Motion::Rapid, _) => {
+        (Motion::Rapid { .. }, _) => {
             let longest = on.rapids.unwrap_or_default();
             let is_longer =
                 |(way, longest): (f64, f64)| MIN_LONGER_RATIO * longest < way && 0.5 * length < way;
@@ -460,7 +460,7 @@ fn of_motion(toolpath: &Toolpath, machine: &Machine) -> Option<UnshownTimes> {
     for segment in 0..toolpath.segments.len() {
         let length = toolpath.segments.length(segment);
         let lasts = match toolpath.segments.motion(segment) {
-            Motion::Rapid => length / machine.fastest_rapid(),
+            Motion::Rapid { .. } => length / rapid_feedrate(&toolpath.segments.at(segment), machine),
             Motion::Feed { feedrate } => length / feedrate,
         };
         let unshown = unshown(toolpath, machine, segment, lasts)

@@ -291,7 +291,7 @@ impl<'a> DoubtBounds<'a> {
 
     /// Returns a bound for feed moves that the machine may run no faster than in rapid, s.
     fn fast_feed_bound(&self, segments: std::ops::Range<usize>) -> f64 {
-        let feeds = self.between(segments).filter(|(_, segment)| segment.motion != Motion::Rapid);
+        let feeds = self.between(segments).filter(|(_, segment)| !segment.motion.is_rapid());
         let rapid = self.machine.rapid.feedrate;
         feeds.map(|(index, segment)| (segment.length / rapid - seconds_of(self.plan, index)).max(0.0)).sum()
     }
@@ -302,7 +302,7 @@ impl<'a> DoubtBounds<'a> {
         for (index, segment) in self.between(segments) {
             let seconds = seconds_of(self.plan, index);
             match segment.motion {
-                Motion::Rapid => in_feed += (segment.length / self.feedrates[0] - seconds).max(0.0),
+                Motion::Rapid { .. } => in_feed += (segment.length / self.feedrates[0] - seconds).max(0.0),
                 Motion::Feed { .. } => {
                     in_rapid += (seconds - segment.length / self.machine.rapid.feedrate).max(0.0);
                 }
@@ -390,7 +390,7 @@ impl<'a> DoubtBounds<'a> {
             for index in indices.take(NEARBY_SEGMENTS) {
                 let Some(segment) = self.toolpath.segments.get(index) else { break };
                 // Across the tool axis a cut continues at its position; its depth is that of another pass.
-                let is_rapid = segment.motion == Motion::Rapid;
+                let is_rapid = segment.motion.is_rapid();
                 if axis != TOOL_AXIS && is_rapid != *first.get_or_insert(is_rapid) {
                     break;
                 }
@@ -413,7 +413,7 @@ impl<'a> DoubtBounds<'a> {
         let segment = self.toolpath.segments.get(index)?;
         let speed = segment.length / seconds_of(self.plan, index);
         let programmed = match segment.motion {
-            Motion::Rapid => self.machine.rapid.feedrate,
+            Motion::Rapid { .. } => self.machine.rapid.feedrate,
             Motion::Feed { feedrate } => feedrate,
         };
         Some(if speed.is_finite() && 0.0 < speed { speed.min(programmed) } else { programmed })

@@ -28,7 +28,7 @@ use std::ops::Range;
 
 use crate::machine::Machine;
 use crate::simulation::feed::{FeedPlan, Phase, Pulse, Pulses, exact_stop_by_turn, total_duration};
-use crate::simulation::toolpath::{Motion, Segment, Segments, StopCause, Toolpath};
+use crate::simulation::toolpath::{Segment, Segments, StopCause, Toolpath};
 
 /// The halts of a toolpath on a machine.
 #[derive(Debug, Default)]
@@ -202,7 +202,7 @@ impl HaltSchedule {
 
 /// Returns `true` if rapid moves end in a full stop to reach their position.
 pub(super) fn rapid_ends_stop(before: &Segment, machine: &Machine) -> bool {
-    before.motion == Motion::Rapid
+    before.motion.is_rapid()
         && 0.0 < machine.halts.in_position
         && machine.halts.in_position_at.has_rapid_ends()
 }

@@ -6,8 +6,8 @@
 //!   override, with r = min(r_path, min_k r_k / |u_k|): the axis that limits the move runs at its rapid
 //!   feedrate r_k, and diagonals are faster than single axes. LinuxCNC clamps the programmed feedrate to the
 //!   velocity of the axes, and on an arc to their acceleration, before the override multiplies it (emccanon.cc), so
-//!   that an override of 80 % also slows a move that an axis limits; grbl and Klipper clamp the product. In Klipper the
-//!   feed override acts on rapids too (M220, gcode_move.py);
+//!   that an override of 80 % also slows a move that an axis limits; grbl and Klipper clamp the product. Controls that run
+//!   rapids at the programmed feedrate F limit r by F times the feed override (M220 in Klipper, gcode_move.py);
 //! - V_k / |u_k|: no axis k above its velocity limit; on an arc with the largest |u_k| on it. LinuxCNC limits an
 //!   arc to the V_k of the slower axis of its plane, however short the arc (emccanon.cc);
 //! - the velocity limit along the path, which acts behind the overrides, on feeds and rapids (in LinuxCNC the slider of
@@ -39,7 +39,7 @@ use crate::simulation::toolpath::{Arc, Curve, Motion, Segment, Vector};
 pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     let by_axes = axis_feedrate(segment, machine);
     let feedrate = match segment.motion {
-        Motion::Rapid => {
+        Motion::Rapid { .. } => {
             let overrides = &machine.overrides;
             overridden_rapid(segment, machine, overrides.of_feed(segment.line.0)).min(by_axes)
                 * overrides.of_rapid(segment.line.0)
@@ -83,9 +83,15 @@ pub fn rapid_feedrate(segment: &Segment, machine: &Machine) -> f64 {
 }
 
 /// Returns the feedrate of a rapid segment at a feed override, mm/s. On controls whose feed override slows rapids, it slows the
-/// rate along the path and not the limits of the axes.
+/// programmed feedrate or, without one, the rate along the path, and not the limits of the axes.
 pub fn overridden_rapid(segment: &Segment, machine: &Machine, feed_override: f64) -> f64 {
-    let along_path = machine.rapid.feedrate * machine.rapid_ratio_at(feed_override);
+    let rate = machine.rapid.feedrate;
+    let along_path = match segment.motion {
+        Motion::Rapid { modal_feedrate } if machine.rapid.at_feedrate && modal_feedrate.is_finite() => {
+            rate.min(modal_feedrate * feed_override)
+        }
+        _ => rate * machine.rapid_ratio_at(feed_override).min(1.0),
+    };
     if has_no_axis_rapid(machine) {
         return along_path;
     }
@@ -123,7 +129,7 @@ fn rotary_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     if segment.rotation.is_none() {
         return f64::INFINITY;
     }
-    segment.length / shortest_turn(&segment.rotation, segment.motion == Motion::Rapid, machine)
+    segment.length / shortest_turn(&segment.rotation, segment.motion.is_rapid(), machine)
 }
 
 /// Returns the time that rotary axes need for a turn (rad) within their limits, s.

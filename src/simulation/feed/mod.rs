@@ -78,9 +78,7 @@ use crate::simulation::feed::rest_to_rest::add_rest_to_rest;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::running_sum::running_sum;
-use crate::simulation::toolpath::{
-    Curve, Motion, Segment, Segments, Stop, StopCause, Toolpath, angle_between,
-};
+use crate::simulation::toolpath::{Curve, Segment, Segments, Stop, StopCause, Toolpath, angle_between};
 
 /// A piece of command along one segment, linear in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -370,7 +368,7 @@ fn stands_before(segments: &Segments, next: usize, machine: &Machine) -> bool {
 
 /// Returns `true` if the machine stops between two consecutive segments without a programmed stop.
 fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool {
-    let rapid = |segment: &Segment| segment.motion == Motion::Rapid;
+    let rapid = |segment: &Segment| segment.motion.is_rapid();
     let own_filters = machine.rapid.time_constants.is_some()
         || matches!(machine.interpolator.time_constants, TimeConstants::FromJerk(_));
     before.exact_stop && !halts::is_exact_path(before, machine)

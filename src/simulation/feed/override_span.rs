@@ -73,8 +73,8 @@ fn push(
     let mut part = segment.part(start, end);
     match &mut part.motion {
         Motion::Feed { feedrate } => *feedrate = limits::overridable(*feedrate, segment, machine) * ratio,
-        Motion::Rapid if machine.rapid_ratio_at(ratio) == 1.0 => {}
-        Motion::Rapid => {
+        Motion::Rapid { .. } if machine.rapid_ratio_at(ratio) == 1.0 => {}
+        Motion::Rapid { .. } => {
             let feedrate = limits::overridden_rapid(segment, machine, ratio);
             part.motion = Motion::Feed { feedrate: feedrate * machine.overrides.of_rapid(segment.line.0) };
         }

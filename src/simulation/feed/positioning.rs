@@ -19,11 +19,11 @@
 
 use crate::machine::Machine;
 use crate::simulation::feed::limits;
-use crate::simulation::toolpath::{Motion, Segment};
+use crate::simulation::toolpath::Segment;
 
 /// Returns `true` if the segment is positioned from rest to rest.
 pub fn applies(segment: &Segment, machine: &Machine) -> bool {
-    segment.motion == Motion::Rapid && machine.rapid.positioning_jerk.is_finite()
+    segment.motion.is_rapid() && machine.rapid.positioning_jerk.is_finite()
 }
 
 /// Returns the jerk along the path, mm/s³.

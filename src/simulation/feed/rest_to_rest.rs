@@ -211,7 +211,7 @@ impl SegmentLimits {
     /// to the list if no equal ones are in it.
     fn filter(&self, filters: &mut Vec<FilterChain>, first: &Segment, machine: &Machine) -> usize {
         let setting = match (first.motion, &machine.rapid.time_constants) {
-            (Motion::Rapid, Some(own)) => own,
+            (Motion::Rapid { .. }, Some(own)) => own,
             _ => &machine.interpolator.time_constants,
         };
         let order = machine.interpolator.filters;
@@ -467,7 +467,7 @@ impl MotionPlanner<'_> {
                 true => f64::INFINITY,
                 false => corner_blend::arc_feedrate(&self.segment(i), left, self.machine),
             };
-            let is_rapid = self.toolpath.segments.motion(self.range.start + i) == Motion::Rapid;
+            let is_rapid = self.toolpath.segments.motion(self.range.start + i).is_rapid();
             let whole = Leg { length, feedrate: feedrate.min(most), acceleration, is_line, is_rapid };
             match (self.shares(i, blends), unqueued) {
                 (true, Some(acceleration)) => Leg { acceleration, ..whole },

@@ -37,9 +37,7 @@ use crate::machine::{Junction, Machine};
 use crate::simulation::feed::Tolerances;
 use crate::simulation::feed::substitute::{Cover, Substitute};
 use crate::simulation::feed::tolerances::change;
-use crate::simulation::toolpath::{
-    Blending, Curve, Motion, PathMode, Point, Segment, Toolpath, distance_from_chord,
-};
+use crate::simulation::toolpath::{Blending, Curve, PathMode, Point, Segment, Toolpath, distance_from_chord};
 
 /// Most points of a chain in addition to its beginning.
 const MAX_CHAIN_POINTS: usize = 101;
@@ -50,7 +48,7 @@ const MAX_PLANE_TILT: f64 = 1e-9;
 /// Returns the distance at which a curve between two lines passes their corner, mm; `None` if the segments
 /// are not two lines that meet in a corner.
 pub fn rounding(before: &Segment, after: &Segment) -> Option<f64> {
-    let is_cut = |segment: &Segment| segment.curve == Curve::Line && segment.motion != Motion::Rapid;
+    let is_cut = |segment: &Segment| segment.curve == Curve::Line && !segment.motion.is_rapid();
     (is_cut(before) && is_cut(after)).then(|| 0.25 * before.length.min(after.length) * change(before, after))
 }
 
@@ -142,7 +140,7 @@ impl Merging<'_> {
             self.flush();
             self.merged.take_stops(self.toolpath, number);
         }
-        let may_merge = within != 0.0 && segment.motion != Motion::Rapid && segment.rotation.is_none();
+        let may_merge = within != 0.0 && !segment.motion.is_rapid() && segment.rotation.is_none();
         match &segment.curve {
             Curve::Line if may_merge => self.add(number, 0.0, segment.length, segment.end, within),
             Curve::Arc(arc) if may_merge => {

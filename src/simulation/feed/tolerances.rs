@@ -20,7 +20,7 @@ use crate::machine::Machine;
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::running_sum::running_sum;
-use crate::simulation::toolpath::{Blending, Curve, Motion, PathMode, Segment, Toolpath};
+use crate::simulation::toolpath::{Blending, Curve, PathMode, Segment, Toolpath};
 
 /// The source of the contour tolerances.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -227,7 +227,7 @@ fn held(toolpath: &Toolpath, machine: &Machine) -> Vec<ToleranceRange> {
         part.lines.1 = segment.line;
         part.distance.1 = begin;
         part.moved += segment.length;
-        if segment.motion != Motion::Rapid {
+        if !segment.motion.is_rapid() {
             part.cut += segment.length;
         }
     }

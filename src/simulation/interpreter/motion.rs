@@ -1,6 +1,7 @@
 //! Moves: arcs and straight lines in rapid and in feed.
 
 use crate::simulation::interpreter::block::Block;
+use crate::simulation::interpreter::feed_mode::FeedMode;
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::state::Interpreter;
 use crate::simulation::toolpath::plane::{Turn, tolerated_difference};
@@ -50,7 +51,13 @@ impl Interpreter<'_> {
     /// Moves straight to `end` in rapid.
     pub(super) fn rapid_to(&mut self, block: Block, end: Point) {
         let length = (end - self.canonical.position).norm();
-        self.push(block, end, Curve::Line, length, Motion::Rapid);
+        self.push(block, end, Curve::Line, length, self.rapid());
+    }
+
+    /// Returns the motion of a rapid, with the feedrate of G94 that is in force.
+    pub(crate) fn rapid(&self) -> Motion {
+        let per_minute = self.modal.feedrate.filter(|_| self.modal.feed.mode == FeedMode::PerMinute);
+        Motion::Rapid { modal_feedrate: per_minute.unwrap_or(f64::INFINITY) }
     }
 
     /// Moves straight to `end` in feed.
@@ -66,7 +73,7 @@ impl Interpreter<'_> {
     /// Adds a move, with the rotary axes that turn during it.
     pub(super) fn push(&mut self, block: Block, end: Point, curve: Curve, length: f64, motion: Motion) {
         if length < MIN_MOVE_MM && !self.canonical.is_beside() {
-            self.turn_alone(block, motion == Motion::Rapid);
+            self.turn_alone(block, motion.is_rapid());
             return;
         }
         if let Some(before_move) = self.heidenhain.as_ref().map(|own| own.before_move) {
@@ -75,7 +82,9 @@ impl Interpreter<'_> {
         let rotation = self.turned_along().map_or(Rotation::NONE, Rotation::from);
         let line = block.line;
         match (motion, curve) {
-            (Motion::Rapid, _) => self.canonical.straight_traverse(line, (end, length), rotation),
+            (Motion::Rapid { modal_feedrate }, _) => {
+                self.canonical.straight_traverse(line, (end, length), modal_feedrate, rotation);
+            }
             (Motion::Feed { feedrate }, Curve::Line) => {
                 self.canonical.straight_feed(line, (end, length), feedrate, rotation);
             }

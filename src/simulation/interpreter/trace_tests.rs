@@ -51,7 +51,7 @@ fn assert_same(one: &Toolpath, other: &Toolpath, tolerance: f64) {
             assert!(apart.norm() <= tolerance, "{a:?}\n{b:?}");
         }
         let feedrate = |segment: &Segment| match segment.motion {
-            Motion::Rapid => 0.0,
+            Motion::Rapid { .. } => 0.0,
             Motion::Feed { feedrate } => feedrate,
         };
         assert!((feedrate(&a) - feedrate(&b)).abs() <= 1e-9 * feedrate(&a), "{a:?}\n{b:?}");

@@ -388,7 +388,7 @@ impl<T: SampledTable> Sampler<'_, T> {
         let segment = self.segment_at(row.state.distance);
         match self.steps.cursor.motion.segments.motion(segment) {
             toolpath::Motion::Feed { feedrate } => feedrate,
-            toolpath::Motion::Rapid => self.fastest,
+            toolpath::Motion::Rapid { .. } => self.fastest,
         }
     }
 

@@ -103,14 +103,17 @@ impl Canonical {
         self.spin
     }
 
-    /// Moves straight to `end`, over `length` (mm), in rapid, and turns the rotary axes with it.
+    /// Moves straight to `end`, over `length` (mm), in rapid, and turns the rotary axes with it. `modal_feedrate` (mm/s) is
+    /// that of [`Motion::Rapid`].
     pub(crate) fn straight_traverse(
         &mut self,
         line: LineNumber,
         (end, length): (Point, f64),
+        modal_feedrate: f64,
         rotation: Rotation,
     ) {
-        self.go(line, PathPiece { end, curve: Curve::Line, length }, Motion::Rapid, rotation);
+        let motion = Motion::Rapid { modal_feedrate };
+        self.go(line, PathPiece { end, curve: Curve::Line, length }, motion, rotation);
     }
 
     /// Moves straight to `end`, over `length` (mm), at a feedrate (mm/s), and turns the rotary axes with it.

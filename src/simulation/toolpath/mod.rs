@@ -35,13 +35,26 @@ pub type Vector = nalgebra::Vector3<f64>;
 /// The feedrate of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
-    /// At the machine's rapid feedrate.
-    Rapid,
+    /// At the machine's rapid feedrate, or at the programmed one on controls that run rapids at that.
+    Rapid {
+        /// Feedrate that the program has set for feed moves, mm/s; infinite if it has set none.
+        modal_feedrate: f64,
+    },
     /// At the programmed feedrate.
     Feed {
         /// Programmed feedrate, mm/s; positive and finite.
         feedrate: f64,
     },
+}
+
+impl Motion {
+    /// A rapid of a program that has set no feedrate.
+    pub const RAPID: Motion = Motion::Rapid { modal_feedrate: f64::INFINITY };
+
+    /// Returns `true` for a rapid.
+    pub fn is_rapid(&self) -> bool {
+        matches!(self, Motion::Rapid { .. })
+    }
 }
 
 /// One programmed move along one curve; its length is positive.
@@ -250,7 +263,7 @@ impl Toolpath {
         });
         spins.filter_map(|(((_, before), (from, own)), until)| {
             let mut moves = *from..until.min(self.segments.len());
-            let segment = moves.find(|at| self.segments.motion(*at) != Motion::Rapid)?;
+            let segment = moves.find(|at| !self.segments.motion(*at).is_rapid())?;
             let change = (own.signed_speed() - before.signed_speed()).abs();
             Some(FeedAtNewSpeed { segment, changed_after: *from, change })
         })

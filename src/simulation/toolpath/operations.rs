@@ -20,7 +20,7 @@
 use std::collections::BTreeMap;
 
 use crate::simulation::gcode::{Comment, LineNumber};
-use crate::simulation::toolpath::{Motion, Segment, Segments, Stop, StopCause};
+use crate::simulation::toolpath::{Segment, Segments, Stop, StopCause};
 
 /// Most operations of a program; the last one takes all the rest.
 pub const MAX_OPERATIONS: usize = 500;
@@ -182,7 +182,7 @@ impl<'a> Cutter<'a> {
 
     fn segment(&mut self, segment: &Segment, index: usize, first_stop: usize) {
         self.pass_to(segment.line, index, first_stop);
-        let is_rapid = segment.motion == Motion::Rapid;
+        let is_rapid = segment.motion.is_rapid();
         if let Some(heading) = self.heading.take().filter(|_| is_rapid && self.is_free) {
             let is_next = self.has_begun(index);
             if is_next {

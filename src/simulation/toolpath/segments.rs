@@ -7,7 +7,7 @@
 //! [`Segments`] assembles a segment whenever it is read, which costs less than to fetch a whole one from memory;
 //! arcs and turns are shared, not copied.
 //!
-//! Limits: no more than 2³² − 1 segments; a feedrate is finite, as an infinite one is rapid.
+//! Limits: no more than 2³² − 1 segments; a feedrate is not negative, as a negative one is rapid.
 
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::packed::{PackedVec, Packing};
@@ -33,7 +33,7 @@ pub struct Moves {
 /// Segments with one motion that follow one another, on lines that follow one another.
 #[derive(Clone, Copy)]
 struct SegmentGroup {
-    /// Feedrate, mm/s; infinite in rapid.
+    /// Feedrate, mm/s; in rapid the modal one, with a negative sign.
     feedrate: f64,
     /// Index of its first segment.
     first: u32,
@@ -60,7 +60,7 @@ impl SegmentGroup {
     #[inline]
     fn motion(&self) -> Motion {
         match self.feedrate {
-            f64::INFINITY => Motion::Rapid,
+            feedrate if feedrate < 0.0 => Motion::Rapid { modal_feedrate: -feedrate },
             feedrate => Motion::Feed { feedrate },
         }
     }
@@ -74,7 +74,7 @@ impl SegmentGroup {
     /// Returns `true` if its segments are lines in feed, without turns of axes and without exact stops.
     #[inline]
     fn is_plain(&self) -> bool {
-        !self.has_shape && !self.exact_stop && self.feedrate.is_finite()
+        !self.has_shape && !self.exact_stop && 0.0 < self.feedrate
     }
 }
 
@@ -280,7 +280,7 @@ impl Packing for Moves {
         let has_shape =
             !matches!(curve, Curve::Line) || !rotation.is_none() || length != (end - start).norm();
         let feedrate = match motion {
-            Motion::Rapid => f64::INFINITY,
+            Motion::Rapid { modal_feedrate } => -modal_feedrate,
             Motion::Feed { feedrate } => feedrate,
         };
         let index = self.count();
@@ -338,7 +338,11 @@ mod tests {
                 end,
                 length: if one_in(2) { arc.length() } else { (end - start).norm() },
                 curve: if one_in(3) { Curve::Arc(arc.into()) } else { Curve::Line },
-                motion: if one_in(3) { Motion::Rapid } else { Motion::Feed { feedrate: radius.round() } },
+                motion: if one_in(3) {
+                    Motion::Rapid { modal_feedrate: 1.0 + radius.round() }
+                } else {
+                    Motion::Feed { feedrate: radius.round() }
+                },
                 rotation: if one_in(4) { turn.into() } else { Rotation::NONE },
                 exact_stop: one_in(3),
                 exact_path: one_in(5),

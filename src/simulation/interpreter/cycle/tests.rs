@@ -11,7 +11,7 @@ fn run(text: &str) -> Toolpath {
 
 /// Ends of all moves, feed moves with the sign of `F`.
 fn moves(text: &str) -> Vec<(char, [f64; 3])> {
-    let letter = |motion| if motion == Motion::Rapid { 'R' } else { 'F' };
+    let letter = |motion: Motion| if motion.is_rapid() { 'R' } else { 'F' };
     let rounded = |value: f64| (1e6 * value).round() / 1e6;
     let toolpath = run(text);
     let ends = toolpath.segments.iter().map(|segment| (letter(segment.motion), segment.end));
@@ -31,7 +31,7 @@ fn assert_error(text: &str, part: &str) {
 }
 
 fn feed_length(toolpath: &Toolpath) -> f64 {
-    let is_feed = |segment: &crate::simulation::toolpath::Segment| segment.motion != Motion::Rapid;
+    let is_feed = |segment: &crate::simulation::toolpath::Segment| !segment.motion.is_rapid();
     toolpath.segments.iter().filter(is_feed).map(|segment| segment.length).sum()
 }
 
@@ -157,7 +157,7 @@ fn a_tap_turns_the_spindle_round_and_back() {
     assert_eq!(codes("O1\nG0 Z9\nM29 S100\nG84 X1 Z-1 R2 F9"), [29, 4, 3]);
     assert_eq!(codes("O1\nM4\nG0 Z9\nG86 X1 Z-1 R2 F9"), [4, 5, 4]);
     let fast = run("O1\nG0 Z9\nG84 X1 Z-1 R2 J3 F60");
-    let feeds: Vec<Motion> = fast.segments.iter().map(|s| s.motion).filter(|m| *m != Motion::Rapid).collect();
+    let feeds: Vec<Motion> = fast.segments.iter().map(|s| s.motion).filter(|m| !m.is_rapid()).collect();
     assert_eq!(feeds, [Motion::Feed { feedrate: 1.0 }, Motion::Feed { feedrate: 3.0 }]);
 }
 

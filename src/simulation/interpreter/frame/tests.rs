@@ -85,7 +85,7 @@ fn a_degree_is_a_millimetre_of_feed_on_fanuc_controls_alone() {
         .motion
     {
         Motion::Feed { feedrate } => feedrate,
-        Motion::Rapid => 0.0,
+        Motion::Rapid { .. } => 0.0,
     };
     assert!((feedrate(Family::Rs274) - 10.0).abs() < 1e-12);
     assert!((feedrate(Family::Fanuc) - 6.0).abs() < 1e-12);

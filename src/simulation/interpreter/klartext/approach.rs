@@ -65,7 +65,7 @@ impl Interpreter<'_> {
                 Some(Motion::Feed { feedrate: self.feedrate(block) })
             }
             Some(Mode::Straight) => None,
-            _ => Some(Motion::Rapid),
+            _ => Some(Motion::RAPID),
         }
     }
 
@@ -148,7 +148,7 @@ impl Interpreter<'_> {
             end,
             curve: curve.clone(),
             length,
-            motion: Motion::Rapid,
+            motion: Motion::RAPID,
             rotation: Rotation::NONE,
             exact_stop: false,
             exact_path: false,

@@ -57,7 +57,7 @@ impl Interpreter<'_> {
     /// Returns the motion of a move of `length` (mm).
     pub(super) fn motion_of(&mut self, block: Block, mode: Mode, length: f64) -> Motion {
         match mode {
-            Mode::Rapid => Motion::Rapid,
+            Mode::Rapid => Motion::RAPID,
             _ => Motion::Feed { feedrate: self.feedrate_along(block, length) },
         }
     }

@@ -22,7 +22,7 @@ fn lines_of(toolpath: &Toolpath, part: &str) -> Vec<u32> {
 fn last_feedrate_mm_min(toolpath: &Toolpath) -> f64 {
     match toolpath.segments.last().expect("a move").motion {
         Motion::Feed { feedrate } => 60.0 * feedrate,
-        Motion::Rapid => f64::NAN,
+        Motion::Rapid { .. } => f64::NAN,
     }
 }
 

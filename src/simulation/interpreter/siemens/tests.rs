@@ -46,7 +46,7 @@ fn last_feed(text: &str) -> (f64, f64) {
     let last = toolpath.segments.last().expect("a move");
     match last.motion {
         Motion::Feed { feedrate } => (last.length, (60.0 * feedrate * 1e6).round() / 1e6),
-        Motion::Rapid => panic!("{text}: a rapid move"),
+        Motion::Rapid { .. } => panic!("{text}: a rapid move"),
     }
 }
 
@@ -186,7 +186,7 @@ fn broken_lines_are_said() {
 /// Lengths of the feed and rapid moves, mm.
 fn lengths(toolpath: &Toolpath) -> (f64, f64) {
     let sum = |rapid: bool| {
-        let segments = toolpath.segments.iter().filter(|segment| (segment.motion == Motion::Rapid) == rapid);
+        let segments = toolpath.segments.iter().filter(|segment| (segment.motion.is_rapid()) == rapid);
         segments.map(|segment| segment.length).sum()
     };
     (sum(false), sum(true))
@@ -218,7 +218,7 @@ fn drilling_cycles_make_their_holes() {
         .iter()
         .filter_map(|s| match s.motion {
             Motion::Feed { feedrate } => Some(feedrate),
-            Motion::Rapid => None,
+            Motion::Rapid { .. } => None,
         })
         .collect();
     assert_eq!(feedrates, [12.5, 12.5], "pitch 1.25 mm at 10 turns a second");
@@ -231,7 +231,7 @@ fn drilling_cycles_make_their_holes() {
     );
     assert!((lengths(&row).0 - 7.0 * 12.0).abs() < 1e-9);
     let circle: Vec<_> =
-        row.segments.iter().filter(|s| s.motion != Motion::Rapid).skip(3).map(|s| s.end).collect();
+        row.segments.iter().filter(|s| !s.motion.is_rapid()).skip(3).map(|s| s.end).collect();
     assert!(circle.iter().all(|end| (end.x.hypot(end.y) - 20.0).abs() < 1e-9), "{circle:?}");
 }
 

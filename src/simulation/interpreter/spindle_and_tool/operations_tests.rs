@@ -101,7 +101,7 @@ fn a_program_that_jumps_is_cut_where_it_runs() {
     ];
     let moves = trace(&read("G91 G0 X1\n".repeat(lines.len()).as_bytes()), &Machine::default());
     let segments = moves.segments.iter().zip(lines).map(|(segment, (line, is_rapid))| {
-        let motion = if is_rapid { Motion::Rapid } else { Motion::Feed { feedrate: 1.0 } };
+        let motion = if is_rapid { Motion::RAPID } else { Motion::Feed { feedrate: 1.0 } };
         Segment { line: LineNumber(line), motion, ..segment }
     });
     let headings = [(3, "LOOP"), (7, "END")].map(|(line, text)| Comment {

@@ -357,7 +357,7 @@ impl Queue {
         let straight = PlanarShape::Line { through: start, along: whole.start_direction() };
         let leading = match lead {
             Lead::None => None,
-            Lead::Around(center) if !matches!(programmed.motion, Motion::Rapid) => {
+            Lead::Around(center) if !matches!(programmed.motion, Motion::Rapid { .. }) => {
                 let turn = -side;
                 let sweep = turn * angle(planar_point(plane, at) - center, start - center);
                 let sweep = if sweep < 0.0 { sweep + TAU } else { sweep };

@@ -46,7 +46,7 @@ impl Interpreter<'_> {
             feedrate = feedrate.and(self.modal.feedrate);
         }
         self.turning.names_y |= has_axis[1];
-        let motion = feedrate.map_or(Motion::Rapid, |feedrate| Motion::Feed { feedrate });
+        let motion = feedrate.map_or_else(|| self.rapid(), |feedrate| Motion::Feed { feedrate });
         self.canonical.straight_plain(block.line, (end, length), motion);
         true
     }

@@ -1,0 +1,87 @@
+//! Whether a control runs rapids at the programmed feedrate F, as feed moves, or at rates of its own.
+//!
+//! Klipper and Marlin have no rapid: their G0 is G1. A rapid that holds F times the feed override, to the part
+//! [`AT_FEEDRATE_RATIO`], may have its own rate by coincidence. Rapids at two different F that hold theirs do not, and a
+//! rapid that is faster than its F contradicts. A rapid that is slower says nothing: a limit or its ramps held it back.
+//!
+//! Limits: a feed override that the recording does not state counts as 1.
+
+use crate::identification::calibration::rapid_moves::{PLATEAU_TOLERANCE_RATIO, RapidVelocity};
+
+/// Largest difference between a velocity and its feedrate, as a part of it: each may be off by the tolerance of a plateau.
+const AT_FEEDRATE_RATIO: f64 = 2.0 * PLATEAU_TOLERANCE_RATIO;
+/// Least ratio of two feedrates that are different, many times that tolerance.
+const MIN_FEEDRATE_RATIO: f64 = 1.1;
+
+/// What rapids say of their feedrate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum RapidFeedrates {
+    /// They run at the programmed one.
+    Programmed,
+    /// They run at rates of their own.
+    Own,
+    /// Both are possible.
+    #[default]
+    Untold,
+}
+
+impl RapidFeedrates {
+    /// Returns what rapids say.
+    pub fn of(rapids: &[RapidVelocity]) -> RapidFeedrates {
+        let is_faster = |rapid: &RapidVelocity| (1.0 + AT_FEEDRATE_RATIO) * rapid.feedrate < rapid.along();
+        if rapids.iter().any(is_faster) {
+            return RapidFeedrates::Own;
+        }
+        let held = rapids.iter().filter(|rapid| !rapid.held.is_empty() && is_at_feedrate(rapid));
+        let feedrates = held.map(|rapid| rapid.feedrate);
+        let [least, largest] =
+            feedrates.fold([f64::INFINITY, 0.0], |[least, largest], own| [least.min(own), largest.max(own)]);
+        if MIN_FEEDRATE_RATIO * least < largest { RapidFeedrates::Programmed } else { RapidFeedrates::Untold }
+    }
+
+    /// Returns `true` if rapids run at the programmed feedrate; `untold` if they do not say so.
+    pub fn are_programmed(self, untold: bool) -> bool {
+        match self {
+            RapidFeedrates::Programmed => true,
+            RapidFeedrates::Own => false,
+            RapidFeedrates::Untold => untold,
+        }
+    }
+}
+
+/// Returns `true` if a rapid reaches its programmed feedrate and is no faster.
+pub fn is_at_feedrate(rapid: &RapidVelocity) -> bool {
+    (rapid.along() / rapid.feedrate - 1.0).abs() <= AT_FEEDRATE_RATIO
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::toolpath::Vector;
+
+    /// Returns what rapids say, each of a feedrate and the velocity that it holds, mm/s.
+    fn of(rapids: &[(f64, f64)]) -> RapidFeedrates {
+        let held = |&(feedrate, along): &(f64, f64)| RapidVelocity {
+            held: vec![along * Vector::new(0.6, 0.8, 0.0)],
+            feedrate,
+            ..RapidVelocity::default()
+        };
+        RapidFeedrates::of(&rapids.iter().map(held).collect::<Vec<RapidVelocity>>())
+    }
+
+    #[test]
+    fn two_feedrates_that_rapids_hold_are_no_coincidence() {
+        assert_eq!(of(&[(20.0, 20.02), (50.0, 49.9)]), RapidFeedrates::Programmed);
+        // An axis may hold back the faster one.
+        assert_eq!(of(&[(20.0, 20.0), (50.0, 50.0), (90.0, 60.0)]), RapidFeedrates::Programmed);
+        assert_eq!(of(&[(20.0, 20.0), (50.0, 40.0)]), RapidFeedrates::Untold);
+        assert_eq!(of(&[(50.0, 50.0), (50.0, 50.0)]), RapidFeedrates::Untold);
+        assert_eq!(of(&[(f64::INFINITY, 50.0)]), RapidFeedrates::Untold);
+        assert_eq!(of(&[]), RapidFeedrates::Untold);
+    }
+
+    #[test]
+    fn a_rapid_faster_than_its_feedrate_has_a_rate_of_its_own() {
+        assert_eq!(of(&[(20.0, 20.0), (50.0, 50.0), (15.0, 60.0)]), RapidFeedrates::Own);
+    }
+}
