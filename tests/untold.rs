@@ -529,3 +529,32 @@ fn a_planner_whose_ramps_have_the_recorded_shape_is_taken() {
         assert!((axis.acceleration / acceleration - 1.0).abs() < 0.1, "{} mm/s²", axis.acceleration);
     }
 }
+
+/// Squares, each cut at one of some feedrates; a rapid at that feedrate goes to the next.
+fn squares(count: u32, feedrates: [u32; 3]) -> String {
+    let square = |at: u32| {
+        let (side, feed) = (4 + at % 5, feedrates[at as usize % 3]);
+        format!("G1 Z-1 F{feed}\nX{side}\nY{side}\nX0\nY0\nG0 Z5\nX40 Y25\nX0 Y0\n")
+    };
+    let squares: String = (1..=count).map(square).collect();
+    format!("G21 G90\nG0 X0 Y0 Z5 F9000\n{squares}M30\n")
+}
+
+/// Klipper's G0 is G1, and CAM writes no F into it.
+#[test]
+fn rapids_at_the_programmed_feedrate_are_found() {
+    let mut truth = believed();
+    truth.become_planner(Planner::SquareCorner, 980.0);
+    truth.interpolator.junction = Junction::SquareCorner(1.1);
+    (truth.rapid.feedrate, truth.rapid.at_feedrate) = (150.0, true);
+    let machine = calibrated_on_run(&squares(9, [1400, 2600, 400]), &truth);
+    assert!(machine.rapid.at_feedrate);
+    let other = squares(9, [3100, 600, 1900]);
+    let toolpath = traced(&other);
+    let [own, expected] = [&machine, &truth].map(|machine| simulate(&toolpath, machine).cycle_time());
+    assert!((own / expected - 1.0).abs() < 1e-3, "{own} for {expected} s");
+    assert_eq!(diagnosed(&machine, &other, &truth).verdict, Verdict::NothingMissing);
+    // The same squares with rapids that are faster than F.
+    truth.rapid.at_feedrate = false;
+    assert!(!calibrated_on_run(&squares(9, [1400, 2600, 400]), &truth).rapid.at_feedrate);
+}

@@ -2,9 +2,10 @@
 //!
 //! Filters ramp in a constant time, whatever the step; planners that are limited in acceleration ramp in Δv/a. Each
 //! family of [`Planner`] has a separate law of corners ([`crate::simulation::feed::junction`]). The guesses of a
-//! family are the nearest of a grid of accelerations, the same for all axes, and values of its law of corners, and the
-//! nearest with an acceleration beside that. Rapids are as fast as their plateaus (`rapids`).
+//! family are the nearest with the accelerations that the ramps of the runs hold, the nearest of a grid of accelerations,
+//! the same for all axes, and values of its law of corners, and the nearest with an acceleration beside that. Rapids are as fast as their plateaus (`rapids`).
 
+use crate::identification::calibration::held_accelerations::HeldAccelerations;
 use crate::identification::calibration::rapids::{RapidPlateaus, RapidRates, limit_feed_as_rapids};
 use crate::identification::calibration::{nearest, nearest_with_cost};
 use crate::identification::effects::parameters::{
@@ -45,6 +46,18 @@ struct CandidateFamily {
     cruise_ratio: f64,
 }
 
+/// The basis of the guesses of all families.
+struct Guessing<'a> {
+    /// The machine before the calibration.
+    machine: &'a Machine,
+    /// The machine with the waits and the rapid feed that filters need.
+    fitted: &'a Machine,
+    runs: &'a [Run<'a>],
+    whitenings: &'a [Whitening],
+    plateaus: Option<RapidPlateaus>,
+    held: Option<HeldAccelerations>,
+}
+
 /// Returns the machine of each family that is nearest to the runs, before any fit. `machine` is the machine before
 /// the calibration; `fitted` has the waits and the rapid feed that filters need. Acceleration blends are guessed
 /// with a contour tolerance, as the control may be started with one, and without.
@@ -57,76 +70,101 @@ pub fn guesses(
 ) -> Vec<Machine> {
     let mut plain = fitted.clone();
     plain.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
-    let guess = |candidate: CandidateFamily| {
-        let CandidateFamily { planner, keeps_tolerance, is_limited, cruise_ratio } = candidate;
-        let at = |acceleration: &f64| {
-            let mut of = plain.clone();
-            of.become_planner(planner, *acceleration);
-            of.interpolator.minimum_cruise_ratio = cruise_ratio;
-            if let Some(seen) = plateaus {
-                seen.limit_feed(planner, &mut of);
-                of = seen.limited_to_fastest(planner, &of).filter(|_| is_limited).unwrap_or(of);
-            }
-            if planner == Planner::AccelerationBlend && keeps_tolerance {
-                of.interpolator.contour_tolerance = plain.interpolator.contour_tolerance;
-            }
-            of
-        };
-        let ramps = PLANNER_ACCELERATION.guesses.iter().map(at);
-        let grid: Vec<Vec<Machine>> =
-            ramps.map(|of| with_rapids(planner, &of, machine, fitted, plateaus)).collect();
-        let nearest_ramps = nearest(grid.iter().flatten().cloned(), runs, whitenings);
-        match planner {
-            Planner::AccelerationBlend => {
-                // A blend that nothing bounds has no tolerance to scale.
-                let scaled = |of: Machine| nearest(with_junctions(&of), runs, whitenings);
-                let by_ramps = if keeps_tolerance { nearest_ramps.and_then(scaled) } else { nearest_ramps };
-                let of = |found: Machine| nearest(with_circles(&found), runs, whitenings);
-                by_ramps.and_then(of).into_iter().collect()
-            }
-            _ => {
-                let near = nearest_ramps.map(|of| nearest_with_corners(&grid, &of, runs, whitenings));
-                near.into_iter()
-                    .flatten()
-                    .flat_map(|of| with_and_without_steps(&of, runs))
-                    .collect::<Vec<_>>()
-            }
-        }
-    };
-    candidates(&plain, plateaus).into_iter().flat_map(guess).collect()
+    let held = HeldAccelerations::of(runs);
+    let guessing = Guessing { machine, fitted: &plain, runs, whitenings, plateaus, held };
+    candidates(&plain, plateaus).into_iter().flat_map(|candidate| guessing.of(candidate)).collect()
 }
 
-/// Returns the planner of the nearest acceleration and junction value, and the nearest one with an acceleration beside that.
-/// Slow corners make up for steep ramps, so a fit from one side may end in a minimum that is not the least. `grid` has
-/// the machines of each acceleration, one for each way of rapids; `from` is one of them. From its acceleration on, the
-/// search goes to the nearer neighbour until neither is nearer.
-fn nearest_with_corners(
-    grid: &[Vec<Machine>],
-    from: &Machine,
-    runs: &[Run],
-    whitenings: &[Whitening],
-) -> Vec<Machine> {
-    let place = |(at, of): (usize, &Vec<Machine>)| Some((at, of.iter().position(|of| of == from)?));
-    let Some((mut at, way)) = grid.iter().enumerate().find_map(place) else { return Vec::new() };
-    let mut tried: Vec<Option<(f64, Machine)>> = vec![None; grid.len()];
-    loop {
-        let around = at.saturating_sub(1)..(at + 2).min(grid.len());
-        for index in around.clone() {
-            if tried[index].is_none() {
-                tried[index] = nearest_with_cost(with_junctions(&grid[index][way]), runs, whitenings);
+impl Guessing<'_> {
+    /// Returns the nearest machines of a family.
+    fn of(&self, candidate: CandidateFamily) -> Vec<Machine> {
+        let at = |acceleration: &f64| {
+            let mut of = self.fitted.clone();
+            of.become_planner(candidate.planner, *acceleration);
+            self.with_ways_of_rapids(candidate, of)
+        };
+        let grid: Vec<Vec<Machine>> = PLANNER_ACCELERATION.guesses.iter().map(at).collect();
+        let at_held = self.at_held(candidate);
+        let by_grid = grid.iter().flatten();
+        match candidate.planner {
+            Planner::AccelerationBlend => {
+                let by_ramps = self.nearest(by_grid.chain(&at_held).cloned());
+                // A blend that nothing bounds has no tolerance to scale.
+                let scaled = |of: Machine| self.nearest(with_junctions(&of));
+                let by_ramps = if candidate.keeps_tolerance { by_ramps.and_then(scaled) } else { by_ramps };
+                by_ramps.and_then(|of| self.nearest(with_circles(&of))).into_iter().collect()
+            }
+            _ => {
+                // A fit from the accelerations that ramps hold mostly leaves nothing that the others could explain.
+                let at_held = self.nearest(at_held.iter().flat_map(with_junctions));
+                let by_ramps = self.nearest(by_grid.cloned());
+                let near = by_ramps.into_iter().flat_map(|of| self.nearest_with_corners(&grid, &of));
+                at_held
+                    .into_iter()
+                    .chain(near)
+                    .flat_map(|of| with_and_without_steps(&of, self.runs))
+                    .collect()
             }
         }
-        let cost = |index: &usize| tried[*index].as_ref().map_or(f64::INFINITY, |(cost, _)| *cost);
-        let mut by_cost: Vec<usize> = around.collect();
-        by_cost.sort_by(|one, other| cost(one).total_cmp(&cost(other)));
-        if by_cost[0] == at {
-            let both = by_cost.iter().take(2).filter_map(|index| tried[*index].take());
-            let mut both: Vec<Machine> = both.map(|(_, of)| of).collect();
-            // Accelerations above a limit of the machine are all that limit.
-            both.dedup();
-            return both;
+    }
+
+    /// Returns a family with the accelerations that ramps hold, one machine for each way of rapids; none if they hold none.
+    fn at_held(&self, candidate: CandidateFamily) -> Vec<Machine> {
+        let of = |held: HeldAccelerations| {
+            self.with_ways_of_rapids(candidate, held.of_planner(candidate.planner, self.fitted))
+        };
+        self.held.map(of).unwrap_or_default()
+    }
+
+    /// Returns a planner of a family that has its accelerations with all that distinguishes the family, one machine for each
+    /// way of rapids.
+    fn with_ways_of_rapids(&self, candidate: CandidateFamily, planner: Machine) -> Vec<Machine> {
+        let CandidateFamily { planner: family, keeps_tolerance, is_limited, cruise_ratio } = candidate;
+        let mut of = planner;
+        of.interpolator.minimum_cruise_ratio = cruise_ratio;
+        if let Some(seen) = self.plateaus {
+            seen.limit_feed(family, &mut of);
+            of = seen.limited_to_fastest(family, &of).filter(|_| is_limited).unwrap_or(of);
         }
-        at = by_cost[0];
+        if family == Planner::AccelerationBlend && keeps_tolerance {
+            of.interpolator.contour_tolerance = self.fitted.interpolator.contour_tolerance;
+        }
+        with_rapids(family, &of, self.machine, self.fitted, self.plateaus)
+    }
+
+    /// Returns the planner of the nearest acceleration and junction value, and the nearest one with an acceleration beside that.
+    /// Slow corners make up for steep ramps, so a fit from one side may end in a minimum that is not the least. `grid` has
+    /// the machines of each acceleration, one for each way of rapids; `from` is one of them. From its acceleration on, the
+    /// search goes to the nearer neighbour until neither is nearer.
+    fn nearest_with_corners(&self, grid: &[Vec<Machine>], from: &Machine) -> Vec<Machine> {
+        let place = |(at, of): (usize, &Vec<Machine>)| Some((at, of.iter().position(|of| of == from)?));
+        let Some((mut at, way)) = grid.iter().enumerate().find_map(place) else { return Vec::new() };
+        let mut tried: Vec<Option<(f64, Machine)>> = vec![None; grid.len()];
+        loop {
+            let around = at.saturating_sub(1)..(at + 2).min(grid.len());
+            for index in around.clone() {
+                if tried[index].is_none() {
+                    tried[index] =
+                        nearest_with_cost(with_junctions(&grid[index][way]), self.runs, self.whitenings);
+                }
+            }
+            let cost = |index: &usize| tried[*index].as_ref().map_or(f64::INFINITY, |(cost, _)| *cost);
+            let mut by_cost: Vec<usize> = around.collect();
+            by_cost.sort_by(|one, other| cost(one).total_cmp(&cost(other)));
+            if by_cost[0] == at {
+                let both = by_cost.iter().take(2).filter_map(|index| tried[*index].take());
+                let mut both: Vec<Machine> = both.map(|(_, of)| of).collect();
+                // Accelerations above a limit of the machine are all that limit.
+                both.dedup();
+                return both;
+            }
+            at = by_cost[0];
+        }
+    }
+
+    /// Returns the machine that is nearest to the runs.
+    fn nearest(&self, machines: impl IntoIterator<Item = Machine>) -> Option<Machine> {
+        nearest(machines, self.runs, self.whitenings)
     }
 }
 
@@ -349,13 +387,16 @@ mod tests {
         let whitenings = whitened(&truth, &runs);
         let grid: Vec<Vec<Machine>> =
             PLANNER_ACCELERATION.guesses.iter().map(|of| vec![square_corner(*of)]).collect();
+        let machine = &truth;
+        let (fitted, whitenings) = (machine, &whitenings);
+        let guessing = Guessing { machine, fitted, runs: &runs, whitenings, plateaus: None, held: None };
         for from in [&grid[0][0], &grid[9][0]] {
-            let found = nearest_with_corners(&grid, from, &runs, &whitenings);
+            let found = guessing.nearest_with_corners(&grid, from);
             let accelerations = found.iter().map(|machine| machine.path.acceleration).collect::<Vec<_>>();
             assert_eq!(accelerations, [2500.0, 5000.0]);
         }
         let limited = vec![vec![square_corner(500.0)]; 3];
-        assert_eq!(nearest_with_corners(&limited, &limited[1][0], &runs, &whitenings).len(), 1);
+        assert_eq!(guessing.nearest_with_corners(&limited, &limited[1][0]).len(), 1);
     }
 
     /// Axes never reach the corner velocity of the start, so the cost does not depend on that; and a fit does not free a cruise

@@ -25,6 +25,7 @@ mod alike;
 mod assumed;
 mod choice;
 mod families;
+mod held_accelerations;
 mod judgement;
 mod laws;
 mod motion;

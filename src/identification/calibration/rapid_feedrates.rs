@@ -1,7 +1,7 @@
-//! Whether a control runs rapids at the programmed feedrate F, as feed moves, or at rates of its own.
+//! The feedrate at which a control runs rapids: the programmed one, F, as in feed moves, or separate rates.
 //!
 //! Klipper and Marlin have no rapid: their G0 is G1. A rapid that holds F times the feed override, to the part
-//! [`AT_FEEDRATE_RATIO`], may have its own rate by coincidence. Rapids at two different F that hold theirs do not, and a
+//! [`AT_FEEDRATE_RATIO`], may be at its rate by coincidence. Rapids at two different F that hold theirs do not, and a
 //! rapid that is faster than its F contradicts. A rapid that is slower says nothing: a limit or its ramps held it back.
 //!
 //! Limits: a feed override that the recording does not state counts as 1.
@@ -13,24 +13,24 @@ const AT_FEEDRATE_RATIO: f64 = 2.0 * PLATEAU_TOLERANCE_RATIO;
 /// Least ratio of two feedrates that are different, many times that tolerance.
 const MIN_FEEDRATE_RATIO: f64 = 1.1;
 
-/// What rapids say of their feedrate.
+/// Evidence of the feedrate of rapids.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum RapidFeedrates {
     /// They run at the programmed one.
     Programmed,
-    /// They run at rates of their own.
-    Own,
+    /// They run at separate rates.
+    Separate,
     /// Both are possible.
     #[default]
     Untold,
 }
 
 impl RapidFeedrates {
-    /// Returns what rapids say.
+    /// Returns the evidence of rapids.
     pub fn of(rapids: &[RapidVelocity]) -> RapidFeedrates {
         let is_faster = |rapid: &RapidVelocity| (1.0 + AT_FEEDRATE_RATIO) * rapid.feedrate < rapid.along();
         if rapids.iter().any(is_faster) {
-            return RapidFeedrates::Own;
+            return RapidFeedrates::Separate;
         }
         let held = rapids.iter().filter(|rapid| !rapid.held.is_empty() && is_at_feedrate(rapid));
         let feedrates = held.map(|rapid| rapid.feedrate);
@@ -43,7 +43,7 @@ impl RapidFeedrates {
     pub fn are_programmed(self, untold: bool) -> bool {
         match self {
             RapidFeedrates::Programmed => true,
-            RapidFeedrates::Own => false,
+            RapidFeedrates::Separate => false,
             RapidFeedrates::Untold => untold,
         }
     }
@@ -59,7 +59,7 @@ mod tests {
     use super::*;
     use crate::simulation::toolpath::Vector;
 
-    /// Returns what rapids say, each of a feedrate and the velocity that it holds, mm/s.
+    /// Returns the evidence of rapids, each of a feedrate and the velocity that it holds, mm/s.
     fn of(rapids: &[(f64, f64)]) -> RapidFeedrates {
         let held = |&(feedrate, along): &(f64, f64)| RapidVelocity {
             held: vec![along * Vector::new(0.6, 0.8, 0.0)],
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rapid_faster_than_its_feedrate_has_a_rate_of_its_own() {
-        assert_eq!(of(&[(20.0, 20.0), (50.0, 50.0), (15.0, 60.0)]), RapidFeedrates::Own);
+    fn a_rapid_faster_than_its_feedrate_has_a_separate_rate() {
+        assert_eq!(of(&[(20.0, 20.0), (50.0, 50.0), (15.0, 60.0)]), RapidFeedrates::Separate);
     }
 }

@@ -228,10 +228,15 @@ impl RapidMove {
 /// Returns the velocity on a plateau of a rapid, each axis without its sign; `None` if the velocity is not
 /// constant, or if its direction changes, as where two rapids blend at constant speed.
 fn steady(velocities: [Vector; 3]) -> Option<Vector> {
-    let within = velocities[1];
     plateau(velocities.map(|velocity| velocity.norm()))?;
+    (!turns(&velocities)).then(|| velocities[1].abs())
+}
+
+/// Returns `true` if the direction of successive velocities changes.
+pub fn turns(velocities: &[Vector; 3]) -> bool {
+    let within = velocities[1];
     let turns = |other: &Vector| MAX_TURN_RAD * within.norm() * other.norm() < within.cross(other).norm();
-    (!velocities.iter().any(turns)).then(|| within.abs())
+    velocities.iter().any(turns)
 }
 
 /// Returns the velocity `within`; `None` if it is not the same before and after.

@@ -48,12 +48,12 @@ pub struct RapidRates {
 /// The velocities of rapids and feed moves that runs show, mm/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RapidPlateaus {
-    /// Rates of a control that runs rapids at rates of its own.
+    /// Rates of a control that runs rapids at separate rates.
     pub rates: RapidRates,
     /// Rates of a control that runs rapids at the programmed feedrate. That is no limit of the machine, nor is what a minimum
     /// cruise ratio may explain: such a control is usually Klipper.
     pub rates_below_feedrate: RapidRates,
-    /// What the rapids say of their feedrate.
+    /// Evidence of the feedrate of rapids.
     pub feedrates: RapidFeedrates,
     /// Velocities of each axis in rapids, whether they are on a plateau or not.
     pub reached: [ReachedVelocity; 3],
@@ -137,7 +137,7 @@ impl ReachedVelocity {
 
 /// Returns the largest error of the distance between two recorded positions of an axis, mm: a step, if nothing but rounding
 /// to whole steps makes it.
-fn largest_error(track: &Track) -> f64 {
+pub fn largest_error(track: &Track) -> f64 {
     let step = track.steps.into_iter().fold(0.0, f64::max);
     if track.noise <= step { step } else { MAX_NOISE_DEVIATIONS * std::f64::consts::SQRT_2 * track.noise }
 }

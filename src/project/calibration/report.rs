@@ -118,7 +118,7 @@ impl CalibrationReport {
             estimates: rows,
             runs,
             measured: None,
-            remarks: remarks(calibration),
+            remarks: remarks(before, calibration),
             tolerance_mm: machine.interpolator.contour_tolerance,
             values: rounded(values(&machine), &values(before), FITTED_DIGITS),
         }
@@ -282,7 +282,7 @@ fn sentence(calibration: &Calibration) -> String {
     )
 }
 
-fn remarks(calibration: &Calibration) -> Vec<String> {
+fn remarks(before: &Machine, calibration: &Calibration) -> Vec<String> {
     let mut all = Vec::new();
     if !calibration.converged {
         all.push("The fit did not converge; its values may still change.".to_string());
@@ -291,6 +291,12 @@ fn remarks(calibration: &Calibration) -> Vec<String> {
     if calibration.estimates.iter().any(is_new) {
         all.push(
             "Filters do not explain these runs: the control plans its ramps and passes corners with a step of velocity, so the time constant and the contour tolerance of this machine mean nothing."
+                .to_string(),
+        );
+    }
+    if calibration.machine.rapid.at_feedrate && !before.rapid.at_feedrate {
+        all.push(
+            "This control runs rapids at the feedrate that F has set, as Klipper and Marlin do: G0 without F is as slow as the G1 before it."
                 .to_string(),
         );
     }

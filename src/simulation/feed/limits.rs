@@ -316,6 +316,29 @@ mod tests {
         assert!((axis_feedrate(&arc(0.0), &machine) - 20.0).abs() < 1e-9);
     }
 
+    #[test]
+    fn rapids_of_klipper_run_at_the_programmed_feedrate() {
+        let mut machine = Machine::default();
+        machine.rapid.feedrate = 100.0;
+        let program = "G0 X10\nG1 X0 F600\nG0 X10\nG1 X0 F1200\nG0 X10\nX0 F9000\n";
+        let toolpath = crate::simulation::interpreter::trace(
+            &crate::simulation::gcode::read(program.as_bytes()),
+            &machine,
+        );
+        let rapids = |machine: &Machine| -> Vec<f64> {
+            let rapids = toolpath.segments.iter().filter(|segment| segment.motion.is_rapid());
+            rapids.map(|segment| requested_feedrate(&segment, machine)).collect()
+        };
+        assert_eq!(rapids(&machine), [100.0; 4]);
+        machine.rapid.at_feedrate = true;
+        assert_eq!(rapids(&machine), [100.0, 10.0, 20.0, 100.0]);
+        // F at half is still below the limit in the last.
+        machine.overrides.feed = 0.5;
+        assert_eq!(rapids(&machine), [50.0, 5.0, 10.0, 75.0]);
+        machine.overrides.feed = 1.2;
+        assert_eq!(rapids(&machine), [100.0, 12.0, 24.0, 100.0]);
+    }
+
     /// Two half turns that LinuxCNC 2.9 was recorded at, between blended corners: 23.19 and 22.35 mm/s.
     #[test]
     fn a_helix_in_half_turns_is_planned_by_the_rise_of_each() {

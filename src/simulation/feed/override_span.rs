@@ -135,5 +135,14 @@ mod tests {
             assert_eq!(feedrates(&klipper, span), [0.5, 0.5, 1.0, 1.2], "{span:?}");
             assert_eq!(feedrates(&Machine::default(), span), [1.0, 0.5, 1.0, 1.2], "{span:?}");
         }
+        // The rapid of this program precedes F; a later one runs at F, and an override makes it faster.
+        klipper.rapid.at_feedrate = true;
+        let program = b"G1 X1 F600\nG0 X40\n";
+        let toolpath = trace(&read(program), &klipper);
+        let machine = with(&klipper, 1.2, (10.0, 20.0));
+        let (parts, own) = divided(&toolpath, &machine).expect("there is a span");
+        let of = |segment: Segment| limits::requested_feedrate(&segment, &own);
+        let all: Vec<f64> = parts.toolpath.segments.iter().map(of).collect();
+        assert_eq!(all, [10.0, 10.0, 12.0, 10.0]);
     }
 }

@@ -387,3 +387,20 @@ fn a_million_remarks_make_a_short_list() {
     let text = "G5 X1\nG0 U1 X1\nG41 D.5\n".repeat(20_000);
     assert_eq!(messages(&text).len(), 403);
 }
+
+#[test]
+fn a_rapid_carries_the_feedrate_that_is_in_force() {
+    let rapids = |text: &str| -> Vec<f64> {
+        let toolpath = run(text);
+        let modal = |segment: Segment| match segment.motion {
+            Motion::Rapid { modal_feedrate } => Some(modal_feedrate),
+            Motion::Feed { .. } => None,
+        };
+        toolpath.segments.iter().filter_map(modal).collect()
+    };
+    let none = f64::INFINITY;
+    assert_eq!(rapids("G0 X1\nG1 X2 F600\nG0 X3\nX4\nX5 F1200\n"), [none, 10.0, 10.0, 20.0]);
+    assert_eq!(rapids("G20 G1 X1 F60\nG0 X2\n"), [25.4]);
+    // Neither the time of a move nor a feed of a revolution is a feedrate for a rapid.
+    assert_eq!(rapids("G93 G1 X1 F2\nG0 X2\nG95 G1 X3 F0.1 S1000 M3\nG0 X4\n"), [none, none]);
+}

@@ -165,7 +165,7 @@ fn a_kept_position_is_the_reference_point() {
 #[test]
 fn words_that_are_not_run_say_what_is_missing() {
     let words = [
-        (Dialect::Iso, "G31.1 Z-5. F10", "contact"),
+        (Dialect::Iso, "G31.1 Z-5.", "contact"),
         (Dialect::Mach, "G28.1 X0", "homing"),
         (Dialect::Mach, "G13 I5", "pocket"),
         (Dialect::Iso, "G12 I5. D1", "pocket"),
