@@ -21,6 +21,7 @@
 
 use crate::machine::Machine;
 use crate::quote::{Breakdown, MarginOf, Rounding, Terms};
+use crate::simulation::ordered::sort_by_number;
 use crate::units::SECONDS_PER_HOUR;
 
 /// The purpose of an amount.
@@ -222,7 +223,7 @@ pub fn offer_of_all(charges: &[OperationCharge], terms: &Terms) -> Offer {
     let margins = [margin(AddendKind::MarginOnce, true), margin(AddendKind::MarginPart, false)];
     addends.extend(margins);
     addends.retain(|addend| addend.steps != 0);
-    addends.sort_by_key(|addend| !addend.once);
+    sort_by_number(&mut addends, |addend| f64::from(!addend.once));
     Offer {
         quantity: terms.quantity,
         once: total(&addends, true),

@@ -16,6 +16,7 @@ use crate::identification::effects::MIN_EXPLAINED_SHARE;
 use crate::identification::effects::parameters::{CLOCK_RATIO, DWELL_EXCESS, FILTERS, PROGRAM_START};
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening};
 use crate::machine::{Machine, TimeConstants};
+use crate::simulation::ordered::sort_by_number;
 
 /// Initial value of the dwell excess in a fit, s: half the cycle of a 10 ms task.
 const INITIAL_DWELL_EXCESS_S: f64 = 0.005;
@@ -218,7 +219,7 @@ impl<'a> Fitting<'a> {
                 (model.best, model.order) = (found, order);
             }
         }
-        orders.sort_by_key(|(order, _)| *order);
+        sort_by_number(&mut orders, |(order, _)| *order as f64);
         (model, orders)
     }
 

@@ -15,6 +15,7 @@ use crate::identification::fit::{Run, Whitening};
 use crate::machine::{
     GRBL_STEP_SEGMENT_S, GRBL_STEP_TIMER_HZ, Junction, KLIPPER_MIN_CRUISE_RATIO, Machine, Planner,
 };
+use crate::simulation::ordered::sort_by_number;
 
 /// Initial values of the minimum cruise ratio in fits: Klipper's default, and a small value, because a fit does not free a
 /// ratio of 0.
@@ -150,7 +151,7 @@ impl Guessing<'_> {
             }
             let cost = |index: &usize| tried[*index].as_ref().map_or(f64::INFINITY, |(cost, _)| *cost);
             let mut by_cost: Vec<usize> = around.collect();
-            by_cost.sort_by(|one, other| cost(one).total_cmp(&cost(other)));
+            sort_by_number(&mut by_cost, cost);
             if by_cost[0] == at {
                 let both = by_cost.iter().take(2).filter_map(|index| tried[*index].take());
                 let mut both: Vec<Machine> = both.map(|(_, of)| of).collect();

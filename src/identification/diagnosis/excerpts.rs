@@ -16,6 +16,7 @@ use std::ops::Range;
 use crate::identification::alignment::{Alignment, Fix, Mark, ProgramPlace};
 use crate::identification::effects::StopKind;
 use crate::identification::fit::Run;
+use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Motion, PathMode, Segment, Stop, Toolpath};
 
 /// Duration above which a run is long, s.
@@ -94,7 +95,7 @@ fn of_run(run: &Run, budget: f64) -> Vec<Excerpt> {
             windows.push(first..(index + MARKS_AROUND_STOP).min(marks.len()));
         }
     }
-    windows.sort_by_key(|window| window.start);
+    sort_by_number(&mut windows, |window| window.start as f64);
     let mut merged: Vec<Range<usize>> = Vec::new();
     for window in windows {
         match merged.last_mut() {

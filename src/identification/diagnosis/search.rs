@@ -184,7 +184,7 @@ fn refined(
         let is_possible = !is_as_believed(candidate, base) && !is_at_bound(candidate);
         is_possible && !is_looser_than_calibrated(candidate, base) && is_as_close(candidate, others)
     });
-    refined.sort_by(|a, b| priced(fine.runs, &[&a.0]).total_cmp(&priced(fine.runs, &[&b.0])));
+    sort_by_number(&mut refined, |found| priced(fine.runs, &[&found.0]));
     refined
 }
 

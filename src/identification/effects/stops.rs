@@ -146,7 +146,7 @@ pub fn waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     }
     // Of words that are not told apart all explain the same: those come first of which the machine file says nothing.
     let mut waits: Vec<(StopKind, Vec<u32>)> = lines.into_iter().collect();
-    waits.sort_by_key(|(kind, _)| 0.0 < kind.value(machine));
+    sort_by_number(&mut waits, |(kind, _)| f64::from(0.0 < kind.value(machine)));
     let companions = companions(runs);
     let of = |(kind, lines): (StopKind, Vec<u32>)| {
         let others =

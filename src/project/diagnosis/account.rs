@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::identification::diagnosis::Account;
 use crate::project::recording::comparison::signed;
+use crate::simulation::ordered::sort_by_number;
 
 /// Id of the step from the machine file to the calibrated machine.
 const CALIBRATION_ID: &str = "calibration";
@@ -109,7 +110,7 @@ impl RoundedAccount {
         let calibration = self.calibration.map(|own| (CALIBRATION_ID, CALIBRATION_ID.to_string(), own));
         let causes = causes.iter().zip(&self.causes).map(|((id, name), own)| (*id, name.clone(), *own));
         let mut all: Vec<_> = calibration.into_iter().chain(causes).collect();
-        all.sort_by_key(|(.., own)| -own.abs());
+        sort_by_number(&mut all, |(.., own)| -own.abs() as f64);
         all
     }
 }
@@ -185,7 +186,7 @@ impl AccountRow {
     fn levels(&self) -> Vec<i64> {
         let RoundedAccount { simulated, calibration, causes, unexplained, .. } = &self.balance;
         let mut steps: Vec<i64> = calibration.iter().chain(causes).copied().collect();
-        steps.sort_by_key(|own| -own.abs());
+        sort_by_number(&mut steps, |own| -own.abs() as f64);
         let mut levels = vec![*simulated];
         levels.extend(steps.into_iter().chain([*unexplained]).scan(*simulated, |level, own| {
             *level += own;

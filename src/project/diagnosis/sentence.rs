@@ -5,6 +5,7 @@ use crate::identification::diagnosis::{Diagnosis, Pulsation, Verdict};
 use crate::identification::effects::FEED_HOLD;
 use crate::project::diagnosis::account::{RoundedAccount, seconds_of, written};
 use crate::project::diagnosis::rows::CauseRow;
+use crate::simulation::ordered::sort_by_number;
 
 /// Most lines of halts that are named.
 const MAX_NAMED_LINES: usize = 12;
@@ -116,7 +117,7 @@ fn causes_in_words(causes: &[CauseRow], balance: &RoundedAccount) -> String {
         said.push((each.map(|(_, hundredths)| hundredths).sum(), of_holds(&holds)));
     }
     said.extend(balance.calibration.map(|own| (own, "what calibration changes".to_string())));
-    said.sort_by_key(|(hundredths, _)| -hundredths.abs());
+    sort_by_number(&mut said, |(hundredths, _)| -hundredths.abs() as f64);
     let clause = |(hundredths, clause): &(i64, String)| match hundredths {
         0 => clause.clone(),
         _ => format!("{clause} ({})", written(*hundredths)),

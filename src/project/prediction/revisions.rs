@@ -7,6 +7,7 @@ use crate::project::{TextFault, machine_from_form};
 use crate::quote::{RevisedLines, Revisions};
 use crate::simulation::feed::Tolerances;
 use crate::simulation::gcode::Options;
+use crate::simulation::ordered::sort_by_number;
 
 /// Most runs of lines that are listed; more are only summed.
 const MAX_LISTED_RUNS: usize = 24;
@@ -84,7 +85,7 @@ impl RevisionsReport {
         };
         let cycle_time_s = sums(|run| run.seconds);
         let mut rows: Vec<RevisedRow> = revisions.runs.iter().map(row).filter(RevisedRow::differs).collect();
-        rows.sort_by(|a, b| b.difference_s.abs().total_cmp(&a.difference_s.abs()));
+        sort_by_number(&mut rows, |row| -row.difference_s.abs());
         rows.truncate(MAX_LISTED_RUNS);
         let difference_s = cycle_time_s[1] - cycle_time_s[0];
         RevisionsReport {

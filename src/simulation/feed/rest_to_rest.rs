@@ -530,27 +530,32 @@ impl MotionPlanner<'_> {
         };
         let ends = [end(corners[0], 0 < i), end(corners[1], i + 1 < self.range.len())];
         let mut offset = 0.0;
-        let mut add = |(duration, first, last): BlockPart| {
+        let add = |(duration, first, last): BlockPart| {
             if 0.0 < duration {
                 pulses.push(Pulse { segment: number as u32, duration, offset, feedrate: [first, last] });
                 offset += duration * 0.5 * (first + last);
             }
         };
         let timer = StepTimer::of(self.machine, || self.segment(i).tangent(0.0));
-        let mut run = |parts: &mut dyn Iterator<Item = BlockPart>| match timer {
-            None => parts.for_each(&mut add),
-            Some(timer) => timer.run(parts).into_iter().for_each(&mut add),
-        };
         match self.ramp(i) {
             Some(ramp) => {
                 let parts = ramp.parts(length, feedrate, ends[0], ends[1]);
-                run(&mut parts.into_iter().flat_map(|part| ramp.pieces(part)));
+                run(parts.into_iter().flat_map(|part| ramp.pieces(part)), timer, add);
             }
             None => {
                 let acceleration = self.acceleration(i);
-                run(&mut block::parts(length, feedrate, acceleration, ends[0], ends[1]).into_iter());
+                run(block::parts(length, feedrate, acceleration, ends[0], ends[1]), timer, add);
             }
         }
+    }
+}
+
+/// Gives `add` the parts of a block, in step segments if there is a timer of steps.
+#[inline]
+fn run(parts: impl IntoIterator<Item = BlockPart>, timer: Option<StepTimer>, add: impl FnMut(BlockPart)) {
+    match timer {
+        None => parts.into_iter().for_each(add),
+        Some(timer) => timer.run(parts).into_iter().for_each(add),
     }
 }
 

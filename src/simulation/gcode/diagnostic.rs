@@ -4,6 +4,7 @@
 //! lines make a few hundred messages and one count.
 
 use crate::simulation::gcode::{Doubt, DoubtCause, DoubtEffect, LineNumber};
+use crate::simulation::ordered::sort_by_number;
 use std::fmt::Display;
 use std::mem::{Discriminant, discriminant};
 
@@ -204,6 +205,6 @@ impl<R: Remark> Remarks<R> {
 
 /// Sorts diagnostics by line, stably, and returns them.
 pub fn in_line_order(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    diagnostics.sort_by_key(|diagnostic| diagnostic.line);
+    sort_by_number(&mut diagnostics, |diagnostic| f64::from(diagnostic.line.0));
     diagnostics
 }

@@ -32,6 +32,7 @@ use crate::simulation::gcode::formula::{
 use crate::simulation::gcode::line::{character_length, continuation, excerpt};
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
+use crate::simulation::ordered::sort_by_number;
 use std::collections::HashMap;
 
 /// First number of a text, beyond those of parameters.
@@ -125,7 +126,7 @@ impl Names {
     /// Returns the names in order of their index.
     pub(super) fn finish(self) -> Vec<String> {
         let mut names: Vec<_> = self.indices.into_iter().collect();
-        names.sort_unstable_by_key(|(_, index)| *index);
+        sort_by_number(&mut names, |(_, index)| *index as f64);
         names.into_iter().map(|(name, _)| name).collect()
     }
 }
