@@ -135,7 +135,7 @@ fn slow_corners_of_klipper_are_not_taken_for_gentle_ramps() {
     assert!((found.path.acceleration / 1700.0 - 1.0).abs() < 0.05, "{} mm/s²", found.path.acceleration);
 }
 
-/// Klipper limits Z separately.
+/// Klipper limits Z separately. Other rapids hold their F, which is 100 mm/s here, so that no rate along the path shows.
 #[test]
 fn rapids_of_klipper_are_slower_along_z() {
     let truth = Settings {
@@ -149,12 +149,10 @@ fn rapids_of_klipper_are_slower_along_z() {
         "{:?}",
         found.interpolator.junction
     );
-    for (value, expected) in [
-        (found.rapid.feedrate, 100.0),
-        (found.axes[2].rapid, 30.0),
-        (found.axes[2].acceleration, 500.0),
-        (found.path.acceleration, 900.0),
-    ] {
+    assert!(found.rapid.at_feedrate && 100.0 <= found.rapid.feedrate, "{:?}", found.rapid);
+    for (value, expected) in
+        [(found.axes[2].rapid, 30.0), (found.axes[2].acceleration, 500.0), (found.path.acceleration, 900.0)]
+    {
         assert!((value / expected - 1.0).abs() < 0.02, "{value}, {expected}");
     }
 }
