@@ -75,7 +75,7 @@ impl Machine {
         self.interpolator.time_constants = TimeConstants::Equal(STEPPER_FILTER_S);
         // The planners of grbl and Klipper plan rapids and feed moves together; LinuxCNC stops between them.
         self.rapid.time_constants = None;
-        let limit = |own: &mut f64| *own = own.min(acceleration);
+        self.limit_accelerations(planner, acceleration, [acceleration; 3]);
         match planner {
             Planner::AccelerationBlend => {
                 self.interpolator.time_constants = TimeConstants::Equal(PLANNER_FILTER_S);
@@ -83,7 +83,6 @@ impl Machine {
                 self.interpolator.junction = Junction::AccelerationBlend;
                 self.interpolator.contour_tolerance = FREE_BLEND_MM;
                 self.interpolator.look_ahead = self.interpolator.look_ahead.min(LINUXCNC_LOOK_AHEAD);
-                self.axes.iter_mut().for_each(|axis| limit(&mut axis.acceleration));
             }
             Planner::JunctionDeviation => {
                 self.interpolator.junction = Junction::Deviation(GRBL_JUNCTION_DEVIATION_MM);
@@ -91,15 +90,24 @@ impl Machine {
                 self.interpolator.look_ahead = self.interpolator.look_ahead.min(GRBL_LOOK_AHEAD);
                 self.interpolator.step_segment = GRBL_STEP_SEGMENT_S;
                 self.interpolator.step_timer = GRBL_STEP_TIMER_HZ;
-                self.axes.iter_mut().for_each(|axis| limit(&mut axis.acceleration));
             }
             Planner::SquareCorner => {
                 self.interpolator.junction = Junction::SquareCorner(KLIPPER_SQUARE_CORNER_MM_S);
                 self.interpolator.arc_chords = ArcChords::Long(KLIPPER_CHORD_MM);
                 self.interpolator.minimum_cruise_ratio = KLIPPER_MIN_CRUISE_RATIO;
-                limit(&mut self.path.acceleration);
-                limit(&mut self.axes[2].acceleration);
             }
+        }
+    }
+
+    /// Lowers the limits of acceleration that a family of planners has to `along_path` or to those of the axes, mm/s²: the path
+    /// and Z for [`Planner::SquareCorner`], all axes for the others.
+    pub fn limit_accelerations(&mut self, planner: Planner, along_path: f64, of_axes: [f64; 3]) {
+        let is_along_path = planner == Planner::SquareCorner;
+        if is_along_path {
+            self.path.acceleration = self.path.acceleration.min(along_path);
+        }
+        for (axis, limit) in self.axes.iter_mut().zip(of_axes).skip(if is_along_path { 2 } else { 0 }) {
+            axis.acceleration = axis.acceleration.min(limit);
         }
     }
 

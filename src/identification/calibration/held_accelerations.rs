@@ -1,9 +1,9 @@
 //! The acceleration that the ramps of a recording hold.
 //!
-//! A planner that is limited in acceleration ramps at A, so that the velocities over three successive windows of the time
-//! T grow, or fall, by the same A T. They do so to the part [`MAX_DIFFERENCE_RATIO`] where the path is straight and the error of
-//! A, 2 e / T² for distances that are off by e, is no larger. Where each axis has a limit, A is that of the axis that
-//! moves furthest. The median of all of them is a start for a fit, near enough to its minimum to distinguish the values of a junction
+//! A planner that is limited in acceleration ramps at A (mm/s²), so that its velocity changes by A T from each of three
+//! successive windows of T (s) to the next. If a distance may be off by e (mm), A may be off by 2 e / T². A ramp counts
+//! if the path is straight, and if that error and the difference of the two changes are at most the part
+//! [`MAX_DIFFERENCE_RATIO`] of A. If each axis has a limit, A is the limit of the axis that moves furthest. The median of all of them is a start for a fit, near enough to its minimum to distinguish the values of a junction
 //! law: a start from a wrong acceleration ends in a minimum where fast corners make up for flat ramps.
 //!
 //! Limits: ramps shorter than three samples show no acceleration, nor does noise in fast sampling.
@@ -66,18 +66,8 @@ impl HeldAccelerations {
     pub fn of_planner(&self, planner: Planner, machine: &Machine) -> Machine {
         let mut of = machine.clone();
         of.become_planner(planner, f64::INFINITY);
-        let limit = |own: &mut f64, held: f64| *own = own.min(held);
-        match planner {
-            Planner::SquareCorner => {
-                limit(&mut of.path.acceleration, self.along_path);
-                limit(&mut of.axes[2].acceleration, self.axes[2].unwrap_or(self.along_path));
-            }
-            _ => {
-                for (axis, held) in of.axes.iter_mut().zip(self.axes) {
-                    limit(&mut axis.acceleration, held.unwrap_or(self.along_path));
-                }
-            }
-        }
+        let of_axes = self.axes.map(|held| held.unwrap_or(self.along_path));
+        of.limit_accelerations(planner, self.along_path, of_axes);
         of
     }
 }

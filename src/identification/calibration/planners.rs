@@ -27,7 +27,7 @@ impl Fitting<'_> {
         let mut of_families: Vec<Model> = Vec::new();
         for start in &starts {
             let family = of_families.iter().position(|model| is_same_family(&model.best.machine, start));
-            // No further fit can be nearer by so much that the runs contradict this one.
+            // The runs cannot contradict a fit whose cost is so low, so another fit of its family cannot replace it.
             if family.is_some_and(|at| of_families[at].best.cost < MIN_CONTRADICTING_COST) {
                 continue;
             }

@@ -1,15 +1,13 @@
 //! The feedrate at which a control runs rapids: the programmed one, F, as in feed moves, or separate rates.
 //!
 //! Klipper and Marlin have no rapid: their G0 is G1. A rapid that holds F times the feed override, to the part
-//! [`AT_FEEDRATE_RATIO`], may be at its rate by coincidence. Rapids at two different F that hold theirs do not, and a
+//! [`MAX_VELOCITY_DIFFERENCE_RATIO`], may be at its rate by coincidence. Rapids at two different F that hold theirs do not, and a
 //! rapid that is faster than its F contradicts. A rapid that is slower says nothing: a limit or its ramps held it back.
 //!
 //! Limits: a feed override that the recording does not state counts as 1.
 
-use crate::identification::calibration::rapid_moves::{PLATEAU_TOLERANCE_RATIO, RapidVelocity};
+use crate::identification::calibration::rapid_moves::{MAX_VELOCITY_DIFFERENCE_RATIO, RapidVelocity};
 
-/// Largest difference between a velocity and its feedrate, as a part of it: each may be off by the tolerance of a plateau.
-const AT_FEEDRATE_RATIO: f64 = 2.0 * PLATEAU_TOLERANCE_RATIO;
 /// Least ratio of two feedrates that are different, many times that tolerance.
 const MIN_FEEDRATE_RATIO: f64 = 1.1;
 
@@ -28,7 +26,8 @@ pub enum RapidFeedrates {
 impl RapidFeedrates {
     /// Returns the evidence of rapids.
     pub fn of(rapids: &[RapidVelocity]) -> RapidFeedrates {
-        let is_faster = |rapid: &RapidVelocity| (1.0 + AT_FEEDRATE_RATIO) * rapid.feedrate < rapid.along();
+        let is_faster =
+            |rapid: &RapidVelocity| (1.0 + MAX_VELOCITY_DIFFERENCE_RATIO) * rapid.feedrate < rapid.along();
         if rapids.iter().any(is_faster) {
             return RapidFeedrates::Separate;
         }
@@ -51,7 +50,7 @@ impl RapidFeedrates {
 
 /// Returns `true` if a rapid reaches its programmed feedrate and is no faster.
 pub fn is_at_feedrate(rapid: &RapidVelocity) -> bool {
-    (rapid.along() / rapid.feedrate - 1.0).abs() <= AT_FEEDRATE_RATIO
+    (rapid.along() / rapid.feedrate - 1.0).abs() <= MAX_VELOCITY_DIFFERENCE_RATIO
 }
 
 #[cfg(test)]

@@ -25,6 +25,8 @@ use crate::simulation::toolpath::{Motion, Vector};
 
 /// Largest change of the velocity on a plateau, as a part of it.
 pub const PLATEAU_TOLERANCE_RATIO: f64 = 0.005;
+/// Largest relative difference of two velocities that are equal: each of them may be off by the tolerance of a plateau.
+pub const MAX_VELOCITY_DIFFERENCE_RATIO: f64 = 2.0 * PLATEAU_TOLERANCE_RATIO;
 
 /// Least ratio of a window to the time of its move.
 const MIN_WINDOW_RATIO: f64 = 0.05;
@@ -104,17 +106,14 @@ pub fn rapid_moves(run: &Run, track: &Track, segment: impl Fn(&Fix) -> usize) ->
     let mut of_last = None;
     for fix in &run.alignment.fixes {
         let index = segment(fix);
-        let is_rapid = index < segments.len() && segments.motion(index).is_rapid();
-        let Some(sample) = fix.sample.filter(|_| is_rapid) else { continue };
+        let motion = (index < segments.len()).then(|| segments.motion(index));
+        let (Some(sample), Some(Motion::Rapid { modal_feedrate })) = (fix.sample, motion) else { continue };
         match moves.last_mut().filter(|own| of_last == Some(index) && own.samples.1 + 1 == sample) {
             Some(own) => own.samples.1 = sample,
             None => {
                 let segment = segments.at(index);
                 let length = (segment.end - segment.start).abs();
-                let feedrate = match segment.motion {
-                    Motion::Rapid { modal_feedrate } => modal_feedrate * run.overrides.0.unwrap_or(1.0),
-                    Motion::Feed { feedrate } => feedrate,
-                };
+                let feedrate = modal_feedrate * run.overrides.0.unwrap_or(1.0);
                 moves.push(RapidMove { samples: (sample, sample), length, feedrate });
             }
         }

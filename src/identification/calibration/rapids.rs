@@ -11,7 +11,7 @@
 use crate::identification::alignment::{Fix, Track};
 use crate::identification::calibration::rapid_feedrates::{RapidFeedrates, is_at_feedrate};
 use crate::identification::calibration::rapid_moves::{
-    PLATEAU_TOLERANCE_RATIO, RapidVelocity, at_limit, plateau, rapid_moves,
+    MAX_VELOCITY_DIFFERENCE_RATIO, PLATEAU_TOLERANCE_RATIO, RapidVelocity, at_limit, plateau, rapid_moves,
 };
 use crate::identification::fit::Run;
 use crate::machine::{Junction, Machine, Planner};
@@ -23,8 +23,8 @@ use crate::simulation::toolpath::{Curve, Segment, Vector};
 const WINDOW_S: f64 = 0.02;
 /// Least number of samples in a window.
 const MIN_SAMPLES: usize = 4;
-/// Ratio of a velocity to another one below which it is slower: each of them may be off by the tolerance of a plateau.
-const MAX_SLOWER_RATIO: f64 = 1.0 - 2.0 * PLATEAU_TOLERANCE_RATIO;
+/// Ratio of a velocity to another one below which it is slower.
+const MAX_SLOWER_RATIO: f64 = 1.0 - MAX_VELOCITY_DIFFERENCE_RATIO;
 /// Least number of moments at which a recorded velocity is met for it to be a limit.
 const MIN_VISITS: usize = 4;
 /// Least time between two such moments, s.

@@ -11,6 +11,7 @@
 
 use serde::Serialize;
 
+use crate::simulation::ordered::sort_by_number;
 use crate::units::MM_PER_INCH;
 
 /// A tool that a program describes.
@@ -61,7 +62,7 @@ fn described_tools(text: &str) -> Vec<DescribedTool> {
             }
         }
     }
-    tools.sort_by_key(|own| own.tool);
+    sort_by_number(&mut tools, |own| f64::from(own.tool));
     tools
 }
 

@@ -11,6 +11,7 @@ use crate::project::machine::written::{
     RAPID_KEY, REQUIRED_KEYS, TIME_CONSTANT_KEYS, WrittenValue, contradiction, known_parameter, position,
     rivals, set, written,
 };
+use crate::simulation::ordered::sort_by_number;
 
 /// Returns the machine that the text of a machine file describes.
 ///
@@ -42,7 +43,7 @@ pub fn machine_from_toml(text: &str) -> Result<Machine, TextFault> {
         key: Some(key),
         message,
     })?;
-    entries.sort_by_key(|(key, ..)| position(key));
+    sort_by_number(&mut entries, |(key, ..)| position(key) as f64);
     let mut machine = Machine::default();
     machine.rapid.feedrate = f64::INFINITY;
     for (key, span, value) in &entries {
@@ -106,7 +107,7 @@ fn by_table() -> Vec<&'static Parameter> {
         first.entry(table(row)).or_insert(index);
     }
     let mut rows: Vec<&Parameter> = PARAMETERS.iter().collect();
-    rows.sort_by_key(|row| first[table(row)]);
+    sort_by_number(&mut rows, |row| first[table(row)] as f64);
     rows
 }
 

@@ -277,7 +277,8 @@ fn largest_on_arc(a: f64, b: f64, sweep: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::machine::Junction;
-    use crate::simulation::gcode::LineNumber;
+    use crate::simulation::gcode::{LineNumber, read};
+    use crate::simulation::interpreter::trace;
     use crate::simulation::toolpath::plane::{Plane, Turn};
     use crate::simulation::toolpath::{Point, Rotation};
 
@@ -321,10 +322,7 @@ mod tests {
         let mut machine = Machine::default();
         machine.rapid.feedrate = 100.0;
         let program = "G0 X10\nG1 X0 F600\nG0 X10\nG1 X0 F1200\nG0 X10\nX0 F9000\n";
-        let toolpath = crate::simulation::interpreter::trace(
-            &crate::simulation::gcode::read(program.as_bytes()),
-            &machine,
-        );
+        let toolpath = trace(&read(program.as_bytes()), &machine);
         let rapids = |machine: &Machine| -> Vec<f64> {
             let rapids = toolpath.segments.iter().filter(|segment| segment.motion.is_rapid());
             rapids.map(|segment| requested_feedrate(&segment, machine)).collect()
