@@ -372,8 +372,10 @@ fn a_tool_change_that_no_run_had_is_taken_from_the_recording_and_widens_the_rang
     quick.times.tool_change = 0.4;
     assert!(1.0 < machine.times.tool_change, "{} s from the file before", machine.times.tool_change);
     let program = rows('X').replace("G0 X0 Z0\n", "G0 X0 Z0\nT2 M6\n");
-    let [with, without] = [program.as_str(), &rows('X')]
-        .map(|program| range(&traced(program), &machine).expect("the machine was calibrated"));
+    let [with, without] = [program.as_str(), &rows('X')].map(|program| {
+        let toolpath = traced(program);
+        range(&toolpath, &machine, &simulate(&toolpath, &machine)).expect("the machine was calibrated")
+    });
     assert!(with.unshown.iter().any(|(feature, _)| *feature == UnshownFeature::MWords), "{with:?}");
     let lasts = simulate(&traced(&program), &machine).cycle_time();
     assert!(machine.times.tool_change - 0.4 < with.ratio * lasts, "{with:?}");

@@ -105,7 +105,7 @@ pub fn quote(
         max_contour_error: errors.largest(),
         beyond_tolerance: regions_beyond(toolpath, errors, bounds, MAX_TOLERANCE_RATIO),
         price: price(cycle_time, machine),
-        range: range(toolpath, machine),
+        range: range(toolpath, machine, plan),
         trust: trust(toolpath, machine, plan),
     }
 }

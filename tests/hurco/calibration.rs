@@ -9,6 +9,7 @@ use truefeed::identification::measured::calibrated_on;
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
 use truefeed::quote::range;
+use truefeed::simulation::simulate;
 
 use crate::hurco::{HURCO, recorded};
 use crate::shared::recordings_of_others;
@@ -93,7 +94,8 @@ fn a_short_program_predicts_another_one_of_its_machine() {
     // box-op1 has faster feeds, whose ramps box-op3 does not show; a log without positions does not show those of rapids.
     let faster = recorded(&folder, "box-op1", "box-op1-06", &machine, true);
     let (_, motion, _) = error(&compared(&faster.run(), &found));
-    let range = range(faster.run().toolpath, &found).expect("a range");
+    let range =
+        range(faster.run().toolpath, &found, &simulate(faster.run().toolpath, &found)).expect("a range");
     eprintln!("box-op1-06: motion {:+.2} %, range ±{:.2} %", 1e2 * motion, 1e2 * range.ratio);
     assert!(motion.abs() < range.ratio, "motion {motion}, range {}", range.ratio);
     for (program, run) in [("box-op3", "box-op3-07"), ("box-op3", "box-op3-10"), ("box-op2", "box-op2-12")] {

@@ -199,6 +199,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         }
     });
     let estimates = alike::of_each_axis(estimates.collect(), alike, untold, machine);
+    last.machine.calibrated_on.acceleration_deviations = motion::acceleration_deviations(&estimates);
     rapids::limit_feed_as_rapids(&mut last.machine, fitting.plateaus);
     let misfit = ramp_misfit(&last.machine, runs);
     last.machine.calibrated_on.ramp_misfit = misfit.of_path;

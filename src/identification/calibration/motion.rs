@@ -12,6 +12,7 @@
 //! have their neutral values. A velocity that limits feed and rapids of an axis alike is one parameter, the rapid rate.
 //! The value before the calibration is infinite if the machine had no such limit.
 
+use crate::identification::calibration::Estimate;
 use crate::identification::calibration::rapids::{RapidPlateaus, is_limited_as_rapids};
 use crate::identification::effects::parameters::{self, Adjustable};
 use crate::identification::fit::{FreeParameter, Run};
@@ -131,6 +132,18 @@ pub fn spindle_ramp(before: &Machine, guess: &Machine) -> Option<(FreeParameter,
 /// Returns the axis whose acceleration the parameter is; `None` for any other parameter.
 pub fn axis_of(freed: &FreeParameter) -> Option<usize> {
     axis_among(parameters::AXIS_ACCELERATION, freed)
+}
+
+/// Returns the standard deviations of the accelerations of X, Y and Z as parts of them, all three that of the path if it was
+/// fitted; 0 for an acceleration without a deviation, and `None` if none has one.
+pub fn acceleration_deviations(estimates: &[Estimate]) -> Option<[f64; 3]> {
+    let of = |parameter: Adjustable| {
+        let estimate = estimates.iter().find(|estimate| estimate.key == parameter.key)?;
+        estimate.deviation.map(|deviation| deviation / estimate.value)
+    };
+    let along_path = of(parameters::PATH_ACCELERATION);
+    let of_axes = parameters::AXIS_ACCELERATION.map(|parameter| of(parameter).or(along_path));
+    of_axes.iter().any(Option::is_some).then(|| of_axes.map(Option::unwrap_or_default))
 }
 
 /// Returns the axis whose rapid rate the parameter is; `None` for any other parameter.

@@ -48,6 +48,7 @@ pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f
         velocities: velocities(runs),
         assumed_accelerations: machine.calibrated_on.assumed_accelerations,
         least_accelerations: machine.calibrated_on.least_accelerations,
+        acceleration_deviations: machine.calibrated_on.acceleration_deviations,
         largest_override: machine.calibrated_on.largest_override,
         other_chord_ratios: machine.calibrated_on.other_chord_ratios.clone(),
         assumed_rapids: machine.calibrated_on.assumed_rapids,

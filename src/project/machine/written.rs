@@ -5,7 +5,7 @@ use crate::project::TextFault;
 use crate::units::Unit;
 
 /// Keys of a machine's calibration: its errors and programs.
-pub const CALIBRATION_KEYS: [&str; 20] = [
+pub const CALIBRATION_KEYS: [&str; 21] = [
     "calibration.cycle_time_error_percent",
     "calibration.unexplained_percent",
     "calibration.form_error_mm",
@@ -21,6 +21,7 @@ pub const CALIBRATION_KEYS: [&str; 20] = [
     "calibration.travels_mm",
     "calibration.assumed_accelerations",
     "calibration.least_accelerations_mm_s2",
+    "calibration.acceleration_deviations_percent",
     "calibration.largest_override_percent",
     "calibration.other_chords_percent",
     "calibration.assumed_rapids",

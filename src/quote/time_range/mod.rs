@@ -1,13 +1,17 @@
 //! The range of a program's time on a machine that was calibrated on other programs.
 //!
 //! ```text
-//! half of the range = r + Σ U · (time of what the calibration did not show / time of the motion)
+//! half of the range = √(r² + s²) + Σ U · (time of what the calibration did not show / time of the motion)
 //! ```
 //!
-//! r is the error on other programs within the features shown, from the machine file; U is r times
+//! r is the error on other programs within the features shown, from the machine file; s is the change of the motion time
+//! at accelerations that are lower by [`NORMAL_QUANTILE_95`] standard deviations of the calibration, all at once, since
+//! the deviations of axes that move together are of one sign: slow feeds have short ramps, whose acceleration hardly
+//! changes their times, and a program that stops at each block consists of ramps. U is r times
 //! [`UNSHOWN_ERROR_RATIO`] or [`UNSHOWN_FEED_ERROR_RATIO`]. Features that the calibrating programs did not show are
 //! corners that turn more, arcs and blocks of other size, faster feeds, and faster rapids of an axis. The time of a
-//! feature is length over feedrate, around a corner at most [`CORNER_REACH_S`] of it.
+//! feature is length over feedrate, around a corner at most [`CORNER_REACH_S`] of it, and then that of the motion is too; where
+//! the difference of two simulated times is known, that of the motion is the simulated one.
 //!
 //! If the runs show no corner at all, the corner law is unknown: a corner may cost anything from no time to a full
 //! stop, and an arc twice as long as at its feedrate if they show no arc either. Each end of a segment of length L at
@@ -39,8 +43,9 @@
 use std::collections::BTreeSet;
 
 use crate::machine::{ArcChords, CHORD_ERROR_RATIOS, CalibratedOn, Extent, Machine};
+use crate::quote::shares::programmed;
 use crate::simulation::feed::limits::{acceleration, largest_share, rapid_feedrate, requested_feedrate};
-use crate::simulation::feed::stop_time;
+use crate::simulation::feed::{FeedPlan, stop_time};
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::simulate;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Stop, Toolpath};
@@ -54,6 +59,11 @@ const UNSHOWN_ERROR_RATIO: f64 = 2.5;
 /// Ratio of an assumed acceleration to the true one, or of the true one to it, that nine in ten do not exceed: of 13 that
 /// calibrations of LinuxCNC assumed, twelve are within 1.15, and one is 1.3 times too high.
 const ASSUMED_ACCELERATION_RATIO: f64 = 1.25;
+/// Quantile of the normal distribution below which 95 % lie: nine in ten are within as many standard deviations.
+const NORMAL_QUANTILE_95: f64 = 1.645;
+/// Largest ratio of the relative change of a motion time to that of all accelerations: the time of ramps from rest to rest
+/// is proportional to 1/√a.
+const MAX_TIME_TO_ACCELERATION_CHANGE_RATIO: f64 = 0.5;
 /// Relative error of other programs that nine in ten do not exceed on a machine of another law: 13 pairs of programs
 /// of two such planners (seed 71) are off by 17 % in the median and by 41 % at most.
 pub const UNKNOWN_LAW_ERROR_RATIO: f64 = 0.4;
@@ -74,6 +84,12 @@ const MIN_LONGER_RATIO: f64 = 1.5;
 /// Least time of a block that is not short, s: length over feedrate.
 const MAX_SHORT_BLOCK_S: f64 = 0.1;
 
+/// Least time of a program, s.
+const MIN_WHOLE_S: f64 = 1e-9;
+/// Ratio of an independent error to the error on other programs below which it makes no difference: the sum of their squares
+/// makes the range wider by a hundredth.
+const NEGLIGIBLE_RATIO: f64 = 0.14;
+
 /// M-word of the end of a program, which every program has, written or not.
 const PROGRAM_END: u32 = 30;
 
@@ -92,6 +108,8 @@ pub enum UnshownFeature {
     Overrides,
     /// Accelerations that the calibration assumed.
     Accelerations,
+    /// Accelerations that the runs show roughly.
+    RoughAccelerations,
     /// Faster rapids.
     Rapids,
     /// M-words.
@@ -102,13 +120,14 @@ pub enum UnshownFeature {
 
 impl UnshownFeature {
     /// All features.
-    pub const ALL: [UnshownFeature; 9] = [
+    pub const ALL: [UnshownFeature; 10] = [
         UnshownFeature::Corners,
         UnshownFeature::Arcs,
         UnshownFeature::Blocks,
         UnshownFeature::Feeds,
         UnshownFeature::Overrides,
         UnshownFeature::Accelerations,
+        UnshownFeature::RoughAccelerations,
         UnshownFeature::Rapids,
         UnshownFeature::MWords,
         UnshownFeature::Ramps,
@@ -131,6 +150,7 @@ impl UnshownFeature {
             UnshownFeature::Feeds => "faster feeds",
             UnshownFeature::Overrides => "corners that the control may plan for a larger override",
             UnshownFeature::Accelerations => "ramps at accelerations that the calibration had to assume",
+            UnshownFeature::RoughAccelerations => "ramps at accelerations that the calibration shows roughly",
             UnshownFeature::Rapids => "faster rapids",
             UnshownFeature::MWords => "M words such as a tool change",
             UnshownFeature::Ramps => "ramps, which this machine runs by another law than its file",
@@ -190,7 +210,8 @@ pub fn error_beyond_calibration(toolpath: &Toolpath, machine: &Machine) -> Optio
     if travels.is_empty() || is_among(travels, toolpath) {
         return None;
     }
-    of_motion(toolpath, machine).map(|found| found.range().ratio)
+    let motion_time = simulate(toolpath, machine).motion_time();
+    of_motion(toolpath, machine, motion_time).map(|found| found.range().ratio)
 }
 
 fn add(asked: &mut CalibratedOn, toolpath: &Toolpath, segment: usize) {
@@ -238,6 +259,17 @@ struct Unshown {
     lasts: f64,
     /// Largest error of that time, as a part of it.
     error: f64,
+    /// Time of the program by which the part is measured.
+    whole: Whole,
+}
+
+/// A time of a whole program.
+#[derive(Clone, Copy)]
+enum Whole {
+    /// Length over feedrate.
+    Programmed,
+    /// Simulated time.
+    Simulated,
 }
 
 /// Largest error of the time of a feature that was not shown, as a part of that time.
@@ -283,6 +315,7 @@ fn faster_rapid(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> Option
             feature: UnshownFeature::Rapids,
             lasts: lasts(reached),
             error: error.min(MAX_UNSHOWN_ERROR),
+            whole: Whole::Simulated,
         })
     };
     let is_assumed = |axis: &usize| machine.calibrated_on.assumed_rapids[*axis];
@@ -321,7 +354,7 @@ fn unshown_corners(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts
         }
         _ => UnshownFeature::Corners.error(machine.calibrated_on.range.unwrap_or(0.0)),
     };
-    Unshown { feature: UnshownFeature::Corners, lasts: lasts_at_corners, error }
+    Unshown { feature: UnshownFeature::Corners, lasts: lasts_at_corners, error, whole: Whole::Programmed }
 }
 
 /// Returns by how much the time of a program would change at other overrides, accelerations and chords that the runs allow.
@@ -357,13 +390,32 @@ fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshow
     let own = time(machine);
     let unshown = |feature, others: Vec<Machine>| {
         let lasts = others.iter().map(|other| (time(other) - own).abs()).fold(0.0, f64::max);
-        Unshown { feature, lasts, error: 1.0 }
+        Unshown { feature, lasts, error: 1.0, whole: Whole::Simulated }
     };
     vec![
         unshown(UnshownFeature::Overrides, overrides),
         unshown(UnshownFeature::Accelerations, accelerations),
         unshown(UnshownFeature::Arcs, chords),
     ]
+}
+
+/// Returns by how much longer a program would take at accelerations that are lower by [`NORMAL_QUANTILE_95`] of their
+/// standard deviations, s; 0 if that is certainly at most a part `negligible` of its time.
+fn at_lower_accelerations(toolpath: &Toolpath, machine: &Machine, negligible: f64) -> f64 {
+    let lower_by = machine
+        .calibrated_on
+        .acceleration_deviations
+        .unwrap_or_default()
+        .map(|deviation| NORMAL_QUANTILE_95 * deviation);
+    let largest = lower_by.into_iter().fold(0.0, f64::max);
+    if MAX_TIME_TO_ACCELERATION_CHANGE_RATIO * largest <= negligible {
+        return 0.0;
+    }
+    let mut lower = machine.clone();
+    lower.path.acceleration /= 1.0 + largest;
+    lower.axes.iter_mut().zip(lower_by).for_each(|(axis, ratio)| axis.acceleration /= 1.0 + ratio);
+    let [own, other] = [machine, &lower].map(|machine| simulate(toolpath, machine).cycle_time());
+    (other - own).max(0.0)
 }
 
 /// Returns the time by which a segment takes longer from rest to rest than at its feedrate, s.
@@ -387,7 +439,7 @@ fn unshown(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts: f64) -
         UnshownFeature::Arcs if shows_no_turn => MAX_UNSHOWN_ERROR,
         _ => feature.error(on.range.unwrap_or(0.0)),
     };
-    Some(Unshown { feature, lasts, error })
+    Some(Unshown { feature, lasts, error, whole: Whole::Programmed })
 }
 
 /// Returns a feature of a segment that the runs did not show; `None` if they showed all of them.
@@ -426,70 +478,86 @@ fn unshown_feature(toolpath: &Toolpath, machine: &Machine, segment: usize) -> Op
     }
 }
 
-/// The parts of a program's time that the runs did not show.
-struct UnshownTimes {
-    /// Range on other programs, as a part of the time.
-    own: f64,
-    /// Time, s.
-    whole: f64,
-    /// Largest error of the parts, s.
-    off: f64,
-    /// Time of each feature, s.
-    seconds: [f64; UnshownFeature::ALL.len()],
+/// The range of a program's time, gathered part by part.
+struct Gathered {
+    /// Error of the time, as a part of it.
+    ratio: f64,
+    /// Length over feedrate of the program, s.
+    programmed_time: f64,
+    /// Simulated time, s.
+    simulated_time: f64,
+    /// Part of the time of each feature.
+    shares: [f64; UnshownFeature::ALL.len()],
 }
 
-impl UnshownTimes {
-    fn add(&mut self, Unshown { feature, lasts, error }: Unshown) {
-        self.seconds[feature as usize] += lasts;
-        self.off += error * lasts;
+impl Gathered {
+    fn add(&mut self, Unshown { feature, lasts, error, whole }: Unshown) {
+        let whole = match whole {
+            Whole::Programmed => self.programmed_time,
+            Whole::Simulated => self.simulated_time,
+        };
+        let share = lasts / whole.max(MIN_WHOLE_S);
+        self.shares[feature as usize] += share;
+        self.ratio += error * share;
+    }
+
+    /// Adds the deviations of the accelerations, which are independent of the error on other programs.
+    fn add_rough_accelerations(&mut self, toolpath: &Toolpath, machine: &Machine) {
+        let own = self.ratio;
+        let longer = at_lower_accelerations(toolpath, machine, NEGLIGIBLE_RATIO * own);
+        let wider = own.hypot(longer / self.simulated_time.max(MIN_WHOLE_S)) - own;
+        self.ratio += wider;
+        self.shares[UnshownFeature::RoughAccelerations as usize] += wider;
     }
 
     fn range(self) -> TimeRange {
-        let whole = self.whole.max(1e-9);
-        let shares = UnshownFeature::ALL.into_iter().zip(self.seconds.map(|own| own / whole));
+        let shares = UnshownFeature::ALL.into_iter().zip(self.shares);
         let mut unshown: Vec<(UnshownFeature, f64)> = shares.filter(|(_, share)| 0.0 < *share).collect();
         sort_by_number(&mut unshown, |one| -one.1);
-        TimeRange { ratio: self.own + self.off / whole, unshown }
+        TimeRange { ratio: self.ratio, unshown }
     }
 }
 
-/// Returns the parts of a program's motion that the runs did not show; `None` on a machine that was not calibrated.
-fn of_motion(toolpath: &Toolpath, machine: &Machine) -> Option<UnshownTimes> {
-    let own = machine.calibrated_on.range?;
-    let mut found = UnshownTimes { own, whole: 0.0, off: 0.0, seconds: [0.0; UnshownFeature::ALL.len()] };
-    for segment in 0..toolpath.segments.len() {
-        let length = toolpath.segments.length(segment);
-        let lasts = match toolpath.segments.motion(segment) {
-            Motion::Rapid { .. } => length / rapid_feedrate(&toolpath.segments.at(segment), machine),
-            Motion::Feed { feedrate } => length / feedrate,
-        };
+/// Returns the range of a program's motion that takes the time `simulated_time` (s), of which the range is a part; `None` on a
+/// machine that was not calibrated.
+fn of_motion(toolpath: &Toolpath, machine: &Machine, simulated_time: f64) -> Option<Gathered> {
+    let ratio = machine.calibrated_on.range?;
+    let programmed_times: Vec<f64> =
+        toolpath.segments.iter().map(|segment| segment.length / programmed(&segment, machine)).collect();
+    let programmed_time = programmed_times.iter().sum();
+    let mut found = Gathered { ratio, programmed_time, simulated_time, shares: Default::default() };
+    found.add_rough_accelerations(toolpath, machine);
+    for (segment, lasts) in programmed_times.into_iter().enumerate() {
         let unshown = unshown(toolpath, machine, segment, lasts)
             .unwrap_or_else(|| unshown_corners(toolpath, machine, segment, lasts));
-        found.whole += lasts.max(unshown.lasts);
         found.add(unshown);
     }
     if machine.calibrated_on.misfit_of_unknown_law().is_some() {
         found.add(Unshown {
             feature: UnshownFeature::Ramps,
-            lasts: found.whole,
+            lasts: programmed_time,
             error: UNKNOWN_LAW_ERROR_RATIO,
+            whole: Whole::Programmed,
         });
     }
     at_other_allowed_values(toolpath, machine).into_iter().for_each(|unshown| found.add(unshown));
     Some(found)
 }
 
-/// Returns the range of a program; `None` on a machine that was not calibrated.
-pub fn range(toolpath: &Toolpath, machine: &Machine) -> Option<TimeRange> {
-    let mut found = of_motion(toolpath, machine)?;
+/// Returns the range of a program with its plan; `None` on a machine that was not calibrated.
+pub fn range(toolpath: &Toolpath, machine: &Machine, plan: &FeedPlan) -> Option<TimeRange> {
+    let mut found = of_motion(toolpath, machine, plan.cycle_time())?;
     let shown = &machine.calibrated_on.m_codes;
     let is_unshown = |stop: &&Stop| {
         stop.cause.m_code().zip(shown.as_ref()).is_some_and(|(code, shown)| !shown.contains(&code))
     };
     for stop in toolpath.stops.iter().filter(is_unshown) {
-        let lasts = stop_time(stop, machine);
-        found.whole += lasts;
-        found.add(Unshown { feature: UnshownFeature::MWords, lasts, error: MAX_UNSHOWN_ERROR });
+        found.add(Unshown {
+            feature: UnshownFeature::MWords,
+            lasts: stop_time(stop, machine),
+            error: MAX_UNSHOWN_ERROR,
+            whole: Whole::Simulated,
+        });
     }
     Some(found.range())
 }

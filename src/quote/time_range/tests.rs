@@ -15,6 +15,11 @@ fn path(program: &str) -> Toolpath {
     trace(&read(program.as_bytes()), &Machine::default())
 }
 
+/// Returns the range of a program that a calibrated machine runs.
+fn range_of(toolpath: &Toolpath, machine: &Machine) -> TimeRange {
+    range(toolpath, machine, &simulate(toolpath, machine)).expect("calibrated")
+}
+
 #[test]
 fn the_range_reaches_to_corners_that_are_planned_for_the_largest_override_that_runs_allow() {
     let mut machine = planner(Planner::AccelerationBlend, 400.0);
@@ -22,16 +27,14 @@ fn the_range_reaches_to_corners_that_are_planned_for_the_largest_override_that_r
     let corners = path("G21 G90\nG1 X40 F1500\nY40\nX80\nY80\n");
     let known = CalibratedOn { range: Some(0.02), ..features_of([&corners]) };
     let unknown = CalibratedOn { largest_override: Some(2.0), ..known.clone() };
-    let [known, unknown] = [known, unknown].map(|calibrated_on| {
-        range(&corners, &Machine { calibrated_on, ..machine.clone() }).expect("calibrated")
-    });
+    let [known, unknown] = [known, unknown]
+        .map(|calibrated_on| range_of(&corners, &Machine { calibrated_on, ..machine.clone() }));
     assert_eq!(known.ratio, 0.02);
     assert_eq!(unknown.unshown[0].0, UnshownFeature::Overrides);
     let time = |machine: &Machine| simulate(&corners, machine).cycle_time();
     let usual = time(&machine);
     machine.interpolator.max_override = 2.0;
-    let programmed = 160.0 / 25.0;
-    assert!((0.02 + (usual - time(&machine)) / programmed - unknown.ratio).abs() < 1e-9, "{unknown:?}");
+    assert!((0.02 + (usual - time(&machine)) / usual - unknown.ratio).abs() < 1e-9, "{unknown:?}");
     assert!(0.03 < unknown.ratio, "{unknown:?}");
 }
 
@@ -46,7 +49,7 @@ fn an_axis_at_rest_makes_no_rapid_uncertain() {
         assumed_rapids: [true; 3],
         ..features_of([&rapids])
     };
-    let found = range(&rapids, &machine).expect("calibrated");
+    let found = range_of(&rapids, &machine);
     assert_eq!(found, TimeRange { ratio: 0.01, unshown: Vec::new() });
 }
 
@@ -65,7 +68,7 @@ fn an_axis_that_another_one_holds_back_makes_no_rapid_uncertain() {
             assumed_rapids: [false, true, false],
             ..features_of([&rapids])
         };
-        range(&rapids, &machine).expect("calibrated").ratio
+        range_of(&rapids, &machine).ratio
     };
     assert_eq!(of_rates([90.0, 5.4, 60.0], 90.0), 0.01);
     // Y may be faster than 5 mm/s where it is as slow, and slower than 90 mm/s if no axis is known to reach 45.
@@ -81,7 +84,7 @@ fn an_arc_may_take_twice_as_long_if_the_runs_show_neither_corner_nor_arc() {
     let shares = |turns: Extent| {
         let on =
             CalibratedOn { range: Some(0.01), velocities: Some([200.0; 3]), turns, ..features_of([&lines]) };
-        range(&arcs, &Machine { calibrated_on: on, ..Machine::default() }).expect("calibrated")
+        range_of(&arcs, &Machine { calibrated_on: on, ..Machine::default() })
     };
     let of_arc = 10.0 * std::f64::consts::PI / (20.0 + 10.0 * std::f64::consts::PI);
     let unknown = shares(Extent(None));
@@ -97,7 +100,7 @@ fn the_range_reaches_to_other_chords_if_the_runs_show_no_arc() {
     let arc = path("G21 G90\nG1 X20 F3000\nG2 X20 Y0 I0 J-10\nG1 X40\n");
     let shares = |radii: Extent| {
         let on = CalibratedOn { range: Some(0.01), radii, ..features_of([&arc]) };
-        range(&arc, &Machine { calibrated_on: on, ..machine.clone() }).expect("calibrated").ratio
+        range_of(&arc, &Machine { calibrated_on: on, ..machine.clone() }).ratio
     };
     assert_eq!(shares(Extent(Some((5.0, 20.0)))), 0.01);
     let time = |ratio: f64| simulate(&arc, &machine.with_scaled_chords(ratio)).cycle_time();
@@ -105,9 +108,8 @@ fn the_range_reaches_to_other_chords_if_the_runs_show_no_arc() {
     assert!(0.01 + other / time(1.0) < shares(Extent(None)), "{other} s");
     // Runs whose arcs longer chords would slow allow shorter ones only.
     let on = CalibratedOn { range: Some(0.01), other_chord_ratios: vec![0.2], ..features_of([&arc]) };
-    let found = range(&arc, &Machine { calibrated_on: on, ..machine.clone() }).expect("calibrated");
-    let programmed = (20.0 + 20.0 * std::f64::consts::PI + 20.0) / 50.0;
-    assert!((found.ratio - 0.01 - (time(0.2) - time(1.0)).abs() / programmed).abs() < 1e-9, "{found:?}");
+    let found = range_of(&arc, &Machine { calibrated_on: on, ..machine.clone() });
+    assert!((found.ratio - 0.01 - (time(0.2) / time(1.0) - 1.0).abs()).abs() < 1e-9, "{found:?}");
 }
 
 #[test]
@@ -115,7 +117,7 @@ fn the_range_is_wide_if_the_recorded_ramps_have_another_shape() {
     let legs = path("G21 G90\nG1 X40 F3000\nX0\n");
     let ratio_with = |ramp_misfit: Option<f64>| {
         let calibrated_on = CalibratedOn { range: Some(0.01), ramp_misfit, ..features_of([&legs]) };
-        range(&legs, &Machine { calibrated_on, ..Machine::default() }).expect("calibrated")
+        range_of(&legs, &Machine { calibrated_on, ..Machine::default() })
     };
     assert_eq!(ratio_with(None).ratio, 0.01);
     assert_eq!(ratio_with(Some(0.9 * MAX_RAMP_MISFIT)).ratio, 0.01);
@@ -135,15 +137,40 @@ fn the_range_reaches_to_other_accelerations_if_one_was_assumed() {
             least_accelerations: Some(least),
             ..features_of([&legs])
         };
-        range(&legs, &Machine { calibrated_on, ..machine.clone() }).expect("calibrated").ratio
+        range_of(&legs, &Machine { calibrated_on, ..machine.clone() }).ratio
     };
     // Four legs from rest to rest last v/A longer than at their feedrate.
-    let (slower, programmed) = (4.0 * 50.0 / 400.0 * (ASSUMED_ACCELERATION_RATIO - 1.0), 160.0 / 50.0);
+    let of_ramps = 4.0 * 50.0 / 400.0;
+    let slower = of_ramps * (ASSUMED_ACCELERATION_RATIO - 1.0);
     let found = ratio_with([true, false, false], [0.0; 3]);
-    assert!((found - 0.01 - slower / programmed).abs() < 1e-3, "{found}");
+    assert!((found - 0.01 - slower / (160.0 / 50.0 + of_ramps)).abs() < 1e-3, "{found}");
     assert_eq!(ratio_with([false, true, true], [0.0; 3]), 0.01);
     // The runs allow no lower one, and a higher one saves less.
     assert!(ratio_with([true, false, false], [400.0, 0.0, 0.0]) < found - 0.005);
+}
+
+/// Programs of ramps alone: their time is proportional to 1/√a.
+#[test]
+fn the_range_contains_the_deviations_of_accelerations() {
+    let machine = planner(Planner::JunctionDeviation, 400.0);
+    let legs = path("G21 G90\nG1 X1 F30000\nX0\nX1\nX0\n");
+    let of = |deviations: [f64; 3]| {
+        let calibrated_on = CalibratedOn {
+            range: Some(0.01),
+            acceleration_deviations: Some(deviations),
+            ..features_of([&legs])
+        };
+        range_of(&legs, &Machine { calibrated_on, ..machine.clone() })
+    };
+    let wide = of([0.02, 0.0, 0.0]);
+    let of_ramps = (1.0 + NORMAL_QUANTILE_95 * 0.02).sqrt() - 1.0;
+    assert!((wide.ratio - of_ramps.hypot(0.01)).abs() < 1e-5, "{wide:?}");
+    assert_eq!(wide.unshown[0].0, UnshownFeature::RoughAccelerations);
+    // Of axes that do not move, and of hardly any deviation.
+    for deviations in [[0.0, 0.02, 0.02], [0.0015, 0.0, 0.0]] {
+        let own = of(deviations);
+        assert!((own.ratio - 0.01).abs() < 1e-9 && own.unshown.is_empty(), "{own:?}");
+    }
 }
 
 #[test]
@@ -153,7 +180,7 @@ fn the_range_reaches_to_full_stops_if_the_runs_show_no_corner() {
     let corners = path("G21 G90\nG1 X20 F3000\nY20\nX40\nY40\nX60\n");
     let of = |runs: &Toolpath, machine: &Machine| {
         let on = CalibratedOn { range: Some(0.02), ..features_of([runs]) };
-        range(&corners, &Machine { calibrated_on: on, ..machine.clone() }).expect("calibrated").ratio
+        range_of(&corners, &Machine { calibrated_on: on, ..machine.clone() }).ratio
     };
     let straight = path("G21 G90\nG1 X20 F3000\nG0 Z5\nG1 X50\n");
     let [unknown, known] = [&straight, &corners].map(|runs| of(runs, &machine));

@@ -210,6 +210,15 @@ impl FeedPlan {
         running_sum([self.start].into_iter().chain(durations)).last().unwrap_or(0.0)
     }
 
+    /// Returns the cycle time without its waits, s.
+    pub fn motion_time(&self) -> f64 {
+        let waits = self.phases.iter().map(|phase| match phase {
+            Phase::Wait(wait) => wait.duration,
+            Phase::Motion(_) => 0.0,
+        });
+        self.cycle_time() - self.start - waits.sum::<f64>()
+    }
+
     /// Returns the longest filter delay, s.
     pub fn longest_delay(&self) -> f64 {
         self.filters.iter().map(FilterChain::delay).fold(0.0, f64::max)
