@@ -100,6 +100,17 @@ fn diagnosed(machine: &Machine, program: &str, truth: &Machine) -> Diagnosis {
     diagnose(machine, &[run(&toolpath, &alignment)], &mut |_| {})
 }
 
+/// With filters, a contour tolerance and a limit of a velocity leave a thousandth of the time of this planner.
+#[test]
+fn limits_that_leave_time_are_no_causes_on_a_machine_that_was_never_calibrated() {
+    let mut truth = truth();
+    truth.axes.iter_mut().for_each(|axis| axis.acceleration = 700.0);
+    let found = diagnosed(&believed(), &rows('X'), &truth);
+    let named: Vec<&str> = found.causes.iter().map(|cause| cause.candidate.hypothesis.effect.id).collect();
+    assert_eq!(named, [""; 0], "{} s remain", found.left.0);
+    assert!(found.calibrated.is_some());
+}
+
 /// A planner that limits the acceleration along the path, and that of Z no lower.
 #[test]
 fn neither_a_clock_that_is_off_nor_a_limit_of_an_axis_that_holds_nothing_is_an_acceleration() {

@@ -52,9 +52,9 @@ use crate::identification::diagnosis::cause::candidates;
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::in_time::InTime;
-use crate::identification::diagnosis::model_error::{MAX_CHANGED_SETTINGS, is_of_machine, is_other_family};
+use crate::identification::diagnosis::model_error::{MAX_CHANGED_SETTINGS, is_of_machine, is_worth_a_search};
 use crate::identification::diagnosis::standing::Standing;
-use crate::identification::diagnosis::verdict::{Left, MAX_SILENT_PART};
+use crate::identification::diagnosis::verdict::Left;
 use crate::identification::effects::{self, Effect, Hypothesis, library};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
@@ -137,9 +137,8 @@ pub struct Diagnosis {
 }
 
 /// Diagnoses runs against the machine of the file. If the machine was never calibrated and one or two causes do not
-/// explain the runs, or make another control of it and leave lost time, its file describes another machine: `diagnose`
-/// calibrates it from the runs first. `progress`
-/// receives the completed part, 0 to 1.
+/// explain the runs, or limits and settings leave lost time, its file may describe another machine: `diagnose`
+/// calibrates it from the runs first. `progress` receives the completed part, 0 to 1.
 pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let (machine, elsewhere) = &standing::on_these(machine, runs);
     let shown = elsewhere.and_then(|_| shown::shown(machine, runs));
@@ -162,11 +161,12 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
 fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let as_it_is = diagnose_as_it_is(machine, None, runs, &mut |part| progress(0.5 * part));
     let of_machine = as_it_is.causes.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
-    let recorded: f64 = as_it_is.after.iter().map(|comparison| comparison.whole.recorded).sum();
-    let is_story = MAX_CHANGED_SETTINGS < of_machine
-        || is_other_family(machine, &as_it_is.machine) && MAX_SILENT_PART * recorded < as_it_is.left.0
-        || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form;
-    if Standing::of(machine) != Standing::Unchecked || !is_story || as_it_is.pulsation.is_some() {
+    let is_story = || {
+        MAX_CHANGED_SETTINGS < of_machine
+            || 0 < of_machine && is_worth_a_search(machine, &as_it_is.machine, runs, true)
+            || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form
+    };
+    if Standing::of(machine) != Standing::Unchecked || as_it_is.pulsation.is_some() || !is_story() {
         progress(1.0);
         return as_it_is;
     }

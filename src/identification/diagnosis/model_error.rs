@@ -104,7 +104,7 @@ pub fn is_of_machine(candidate: &Candidate) -> bool {
 
 /// Returns `true` if causes turn the control of a machine into one of another family: no change of a machine does that, so
 /// its file has the wrong family.
-pub fn is_other_family(start: &Machine, with_causes: &Machine) -> bool {
+fn is_other_family(start: &Machine, with_causes: &Machine) -> bool {
     start.has_filters() != with_causes.has_filters()
 }
 
