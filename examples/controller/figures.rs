@@ -87,6 +87,9 @@ pub fn results(answers: &Value, cases: Vec<Value>, transfers: Vec<Value>) -> Val
         "range": ranges(by(false, false)),
         "transfer_of_preset": errors(by(true, false), "error_of_preset"),
         "own": errors(by(true, false), "error"),
+        "preset_with_a_name": count("preset", "named"),
+        "preset_unknown": count("preset", "unknown"),
+        "preset_refused": count("preset", "refused"),
         "probed_with_a_name": count("probed", "named"),
         "probed_unknown": count("probed", "unknown"),
         "probed_refused": count("probed", "refused"),
@@ -132,7 +135,7 @@ fn ranges<'a>(transfers: impl Iterator<Item = &'a Value>) -> Value {
 fn sureness(cases: &[Value]) -> Value {
     let judged: Vec<(f64, bool)> = cases
         .iter()
-        .filter(|case| !is(case, "role", "other") && !is(case, "role", "probed"))
+        .filter(|case| is(case, "role", "clean") || is(case, "role", "change"))
         .flat_map(named)
         .filter_map(|cause| Some((cause["confidence"].as_f64()?, cause["right"] == true)))
         .collect();
@@ -262,6 +265,9 @@ pub fn page(results: &Value) -> String {
         row(&format!("cycle times by {of} within the range stated"), rate_words(&ranges["held"]));
         row("half of that range, median", percent(&ranges["median_half_width"]));
     }
+    row("clean runs from the preset in which a cause is named", rate_words(&results["preset_with_a_name"]));
+    row("clean runs from the preset called unknown", rate_words(&results["preset_unknown"]));
+    row("clean runs from the preset refused", rate_words(&results["preset_refused"]));
     row("clean runs by the probe in which a cause is named", rate_words(&results["probed_with_a_name"]));
     row("clean runs by the probe called unknown", rate_words(&results["probed_unknown"]));
     row("clean runs by the probe refused", rate_words(&results["probed_refused"]));
@@ -327,6 +333,7 @@ fn list_wrong(results: &Value, text: &mut String) {
         }
         let effect = |key: &str| case[key].as_f64().unwrap_or(0.0);
         let truth = match case["kind"].as_str() {
+            Some("none") | None if is(case, "role", "preset") => "clean, from the preset".to_string(),
             Some("none") | None => "clean".to_string(),
             Some(kind) => format!(
                 "{kind} {}, {:+.2} s, {:.3} mm",

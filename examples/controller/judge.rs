@@ -2,7 +2,7 @@
 //!
 //! Each machine is calibrated on the clean run of one program, from a preset and nothing else. With that machine file
 //! the clean run itself is diagnosed, and so are the runs with a change and the clean runs of the other programs of the
-//! same machine, whose cycle times are predicted too. Where the project's probe was recorded on a machine, it is calibrated
+//! same machine, whose cycle times are predicted too. Each clean run is also diagnosed from the preset itself. Where the project's probe was recorded on a machine, it is calibrated
 //! on that as well, and every program of the machine is diagnosed and predicted with it.
 //!
 //! What can be seen is laid down here, before anything is run: a change counts as visible where it changes the time of
@@ -59,6 +59,8 @@ impl Bench {
 struct Trial<'a> {
     /// The program whose clean run the machine file is calibrated on.
     of: &'a str,
+    /// Whether the machine file is the preset instead.
+    is_from_preset: bool,
     /// Whether that program is the probe.
     is_probed: bool,
     /// The program that was run.
@@ -169,7 +171,7 @@ fn text(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// Every clean run and every change with the machine file of its program, and the clean runs of the other programs
+/// Every clean run with the machine file of its program and with the preset, every change with that of its program, and the clean runs of the other programs
 /// of its machine, unless the calibration was refused.
 fn trials<'a>(
     programs: &'a [Value],
@@ -179,12 +181,22 @@ fn trials<'a>(
     let mut trials = Vec::new();
     for &program in sources {
         let (of, is_probed) = (name(program), is_probe(program));
-        let clean = |program| Trial { of, is_probed, program, file: "clean.csv.gz".into(), change: None };
+        let run = |program, file: &str, change| Trial {
+            of,
+            is_from_preset: false,
+            is_probed,
+            program,
+            file: file.into(),
+            change,
+        };
+        let clean = |program| run(program, "clean.csv.gz", None);
         trials.push(clean(program));
+        if !is_probed {
+            trials.push(Trial { is_from_preset: true, ..clean(program) });
+        }
         for change in program["changes"].as_array().into_iter().flatten() {
             if change["refused"].is_null() {
-                let file = change["file"].as_str().unwrap_or_default().to_string();
-                trials.push(Trial { of, is_probed, program, file, change: Some(change) });
+                trials.push(run(program, change["file"].as_str().unwrap_or_default(), Some(change)));
             }
         }
         if calibrated(program) {
@@ -206,12 +218,15 @@ fn case(bench: &Bench, folder: &Path, reports: &Path, trial: &Trial) -> Result<V
     let (ran, stem) = (name(trial.program), trial.file.trim_end_matches(".csv.gz"));
     let [program, run] = ["program.ngc", &trial.file].map(|file| folder.join(ran).join(file));
     let place = reports.join(trial.of);
-    let kept =
-        place.join(if ran == trial.of { format!("{stem}.json") } else { format!("{stem}-of-{ran}.json") });
-    let machine = place.join("machine.toml");
+    let (kept, machine) = match (trial.is_from_preset, ran == trial.of) {
+        (true, _) => (format!("{stem}-from-preset.json"), reports.join("preset.toml")),
+        (false, true) => (format!("{stem}.json"), place.join("machine.toml")),
+        (false, false) => (format!("{stem}-of-{ran}.json"), place.join("machine.toml")),
+    };
     let words = ["diagnose", &text(&program), &text(&run), "--machine", &text(&machine)];
-    let said = ask(&bench.truefeed, &words, &kept)?;
+    let said = ask(&bench.truefeed, &words, &place.join(kept))?;
     let role = match (trial.change, ran == trial.of) {
+        _ if trial.is_from_preset => "preset",
         (Some(_), _) => "change",
         (None, true) => "clean",
         (None, false) if trial.is_probed => "probed",
@@ -219,7 +234,7 @@ fn case(bench: &Bench, folder: &Path, reports: &Path, trial: &Trial) -> Result<V
     };
     let mut case = judged(&said, trial.change);
     case["case"] = json!(format!("{ran}/{stem}"));
-    case["calibrated_on"] = json!(trial.of);
+    case["calibrated_on"] = json!((!trial.is_from_preset).then_some(trial.of));
     case["role"] = json!(role);
     case["program_kind"] = trial.program["kind"].clone();
     case["visible"] = json!(trial.change.is_some_and(|change| is_visible(change, trial.program)));

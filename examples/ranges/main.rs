@@ -114,9 +114,10 @@ fn of_machine(
         for other in (0..count).filter(|other| !chosen.contains(other)) {
             let (label, own) = &recorded[other];
             let run = own.run();
-            let motion = compare(run.toolpath, &run.plan(&machine), run.alignment).motion;
+            let plan = run.plan(&machine);
+            let motion = compare(run.toolpath, &plan, run.alignment).motion;
             let error = motion.simulated / motion.recorded - 1.0;
-            let Some(range) = range(run.toolpath, &machine) else { continue };
+            let Some(range) = range(run.toolpath, &machine, &plan) else { continue };
             let unshown: Vec<String> = (range.unshown.iter())
                 .map(|(what, share)| format!("{} {:.1} %", what.words(), 100.0 * share))
                 .collect();

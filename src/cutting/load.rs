@@ -16,6 +16,7 @@ use crate::cutting::force::{Force, Rotor};
 use crate::cutting::headroom::{Headroom, PlaceHeadroom, headroom};
 use crate::cutting::limits::{FEED_FACTORS, LimitKind, MAX_GAP_MM, MIN_LEVEL_SHARE};
 use crate::cutting::setup::{CuttingError, LoadLimits, Setup};
+use crate::simulation::ordered::sort_by_number;
 use crate::simulation::profile::FeedCurve;
 use crate::simulation::toolpath::{Motion, Operation, Toolpath};
 use crate::units::SECONDS_PER_MINUTE;
@@ -115,7 +116,8 @@ impl LoadCurve {
         for collision in &engagement.collisions {
             self.operations[operation_of(collision.segment)].removed += collision.removed;
         }
-        self.exceeded.sort_by(|a, b| a.limit.cmp(&b.limit).then(a.peak.distance.total_cmp(&b.peak.distance)));
+        sort_by_number(&mut self.exceeded, |exceeded| exceeded.peak.distance);
+        sort_by_number(&mut self.exceeded, |exceeded| exceeded.limit as usize as f64);
     }
 }
 

@@ -149,7 +149,10 @@ fn voted(seen: &[CurveCorner], told: &[CurveCorner], size: f64) -> Vec<Vector> {
     }
     let mut cells: Vec<(usize, GridCell)> = votes.iter().map(|(cell, (count, _))| (*count, *cell)).collect();
     // The order of a hash map is arbitrary, so that ties are broken by the cell.
-    cells.sort_by(|a, b| b.cmp(a));
+    for axis in (0..3).rev() {
+        sort_by_number(&mut cells, |(_, cell)| -(cell[axis] as f64));
+    }
+    sort_by_number(&mut cells, |(count, _)| -(*count as f64));
     cells.truncate(2 * MAX_CANDIDATES);
     let merged = |cell: GridCell| {
         let near = around(cell).filter_map(|cell| votes.get(&cell));

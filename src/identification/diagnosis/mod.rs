@@ -136,9 +136,9 @@ pub struct Diagnosis {
     pub messages: Vec<String>,
 }
 
-/// Diagnoses runs against the machine of the file. If the machine was never calibrated and one or two causes do not
-/// explain the runs, or limits and settings leave lost time, its file may describe another machine: `diagnose`
-/// calibrates it from the runs first. `progress` receives the completed part, 0 to 1.
+/// Diagnoses runs against the machine of the file. If the machine was never calibrated, and the causes are too many or leave
+/// lost time, its file may describe another machine: `diagnose` calibrates it from the runs first. `progress` receives the
+/// completed part, 0 to 1.
 pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let (machine, elsewhere) = &standing::on_these(machine, runs);
     let shown = elsewhere.and_then(|_| shown::shown(machine, runs));
@@ -163,7 +163,7 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     let of_machine = as_it_is.causes.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
     let is_story = || {
         MAX_CHANGED_SETTINGS < of_machine
-            || 0 < of_machine && is_worth_a_search(machine, &as_it_is.machine, runs, true)
+            || !as_it_is.causes.is_empty() && is_worth_a_search(machine, &as_it_is.machine, runs, true)
             || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form
     };
     if Standing::of(machine) != Standing::Unchecked || as_it_is.pulsation.is_some() || !is_story() {

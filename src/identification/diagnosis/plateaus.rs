@@ -84,12 +84,12 @@ pub fn plateau(run: &Run) -> Option<Plateau> {
     let marks = &run.alignment.marks;
     let (first, last) = (marks.first()?.time, marks.last()?.time);
     let stretch = |time: f64| ((time - first) / (last - first).max(1e-9) * STRETCHES) as usize;
-    let stretches: std::collections::BTreeSet<usize> =
-        readings[range.clone()].iter().map(|reading| stretch(reading.time)).collect();
+    let has_reading = |at: &usize| readings[range.clone()].iter().any(|reading| stretch(reading.time) == *at);
+    let stretches = (0..=STRETCHES as usize).filter(has_reading).count();
     if range.len() < MIN_PILE_READINGS
         || most < MIN_PILE_PART * whole
         || most < MIN_RATIO_TO_OTHER_PILES * other
-        || stretches.len() < SPREAD
+        || stretches < SPREAD
     {
         return None;
     }

@@ -127,7 +127,7 @@ fn differences(without: &Machine, with: &Machine, run: &Run) -> Vec<(u32, f64)> 
 pub fn acts_on(without: &Machine, with: &Machine, runs: &[Run]) -> Vec<(u32, u32)> {
     let each: Vec<(u32, f64)> = runs.iter().flat_map(|run| differences(without, with, run)).collect();
     let mut sizes: Vec<f64> = each.iter().map(|(_, lost)| lost.abs()).collect();
-    sizes.sort_by(|a, b| b.total_cmp(a));
+    sort_by_number(&mut sizes, |size| -size);
     let nearly_all = ACTS_ON_PART * sizes.iter().sum::<f64>();
     let mut sum = 0.0;
     let least = sizes.into_iter().find(|size| {

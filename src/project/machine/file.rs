@@ -102,12 +102,9 @@ pub fn toml_from_machine(machine: &Machine) -> String {
 /// Returns all rows grouped by table, in the order of their first rows: a file names a table only once.
 fn by_table() -> Vec<&'static Parameter> {
     let table = |row: &Parameter| row.key.rsplit_once('.').map_or(row.key, |(table, _)| table);
-    let mut first = std::collections::BTreeMap::new();
-    for (index, row) in PARAMETERS.iter().enumerate() {
-        first.entry(table(row)).or_insert(index);
-    }
+    let first = |row: &Parameter| PARAMETERS.iter().take_while(|other| table(other) != table(row)).count();
     let mut rows: Vec<&Parameter> = PARAMETERS.iter().collect();
-    sort_by_number(&mut rows, |row| first[table(row)] as f64);
+    sort_by_number(&mut rows, |row| first(row) as f64);
     rows
 }
 

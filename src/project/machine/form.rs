@@ -13,6 +13,7 @@ use crate::project::machine::written::{
 };
 use crate::project::{TextFault, VERSION, motion_of_machine};
 use crate::simulation::gcode::{ArcCenters, Dialect};
+use crate::simulation::ordered::sort_by_number;
 use crate::units::LengthUnit;
 
 #[derive(Serialize)]
@@ -220,8 +221,9 @@ pub fn machine_from_form(json: &str) -> Result<Machine, Vec<TextFault>> {
     let mut faults = Vec::new();
     // Empty fields first: clearing one form of the time constants must not undo another.
     let mut fields: Vec<(&String, &Value)> = values.iter().collect();
-    fields.sort_by_key(|(key, value)| (!value.is_null(), position(key)));
-    for (key, value) in fields {
+    sort_by_number(&mut fields, |(key, _)| position(key) as f64);
+    let (empty, filled): (Vec<_>, Vec<_>) = fields.into_iter().partition(|(_, value)| value.is_null());
+    for (key, value) in empty.into_iter().chain(filled) {
         let outcome = match value_as_written(value) {
             Some(written) => set(&mut machine, key, written),
             None => Err(TextFault::at_key(key, "this is not a value of a parameter".to_string())),

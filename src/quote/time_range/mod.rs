@@ -40,8 +40,6 @@
 //! U = |t(V) / t(R) − 1|,  t(v) = w / v + v / A        R velocity reached in the simulation, at most √(A w)
 //! ```
 
-use std::collections::BTreeSet;
-
 use crate::machine::{ArcChords, CHORD_ERROR_RATIOS, CalibratedOn, Extent, Machine};
 use crate::quote::shares::programmed;
 use crate::simulation::feed::limits::{acceleration, largest_share, rapid_feedrate, requested_feedrate};
@@ -170,9 +168,13 @@ pub struct TimeRange {
 /// Returns the extents of the features that programs show.
 pub fn features_of<'a>(toolpaths: impl IntoIterator<Item = &'a Toolpath>) -> CalibratedOn {
     let mut asked = CalibratedOn::default();
-    let mut m_codes = BTreeSet::from([PROGRAM_END]);
+    let mut m_codes = vec![PROGRAM_END];
     for toolpath in toolpaths {
-        m_codes.extend(toolpath.stops.iter().filter_map(|stop| stop.cause.m_code()));
+        for code in toolpath.stops.iter().filter_map(|stop| stop.cause.m_code()) {
+            if !m_codes.contains(&code) {
+                m_codes.push(code);
+            }
+        }
         for segment in 0..toolpath.segments.len() {
             add(&mut asked, toolpath, segment);
         }
@@ -180,7 +182,8 @@ pub fn features_of<'a>(toolpaths: impl IntoIterator<Item = &'a Toolpath>) -> Cal
             asked.travels.push(travel(toolpath));
         }
     }
-    asked.m_codes = Some(m_codes.into_iter().collect());
+    sort_by_number(&mut m_codes, |code| f64::from(*code));
+    asked.m_codes = Some(m_codes);
     asked
 }
 
