@@ -54,8 +54,8 @@ use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::in_time::InTime;
 use crate::identification::diagnosis::model_error::{MAX_CHANGED_SETTINGS, is_of_machine, is_worth_a_search};
 use crate::identification::diagnosis::standing::Standing;
-use crate::identification::diagnosis::verdict::Left;
-use crate::identification::effects::{self, Effect, Hypothesis, library};
+use crate::identification::diagnosis::verdict::{Left, MAX_SILENT_PART};
+use crate::identification::effects::{self, Effect, Hypothesis, Nature, library};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 use crate::simulation::ordered::sort_by_number;
@@ -176,7 +176,13 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     ModelError::of(&calibrated, runs).keep_in(&mut calibrated);
     let own = diagnose_as_it_is(&calibrated, Some(machine), runs, &mut |part| progress(0.75 + 0.25 * part));
     progress(1.0);
-    if MAX_CALIBRATED_LOST_RATIO * as_it_is.left.0 < own.left.0 {
+    let recorded: f64 = as_it_is.after.iter().map(|comparison| comparison.whole.recorded).sum();
+    // Causes that leave so much do not make the file right, and are no better than a calibration that leaves less. Drives
+    // explain the form of the path, and no time.
+    let is_of_time = |cause: &Cause| cause.candidate.hypothesis.effect.nature != Nature::Drive;
+    let is_misfit = as_it_is.causes.iter().any(is_of_time) && MAX_SILENT_PART * recorded < as_it_is.left.0;
+    let max_ratio = if is_misfit { 1.0 } else { MAX_CALIBRATED_LOST_RATIO };
+    if max_ratio * as_it_is.left.0 < own.left.0 {
         return as_it_is;
     }
     let message = "the machine file does not describe this machine, so Truefeed calibrated it from the recording first; changes by that calibration are not causes";

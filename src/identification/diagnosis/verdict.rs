@@ -24,7 +24,7 @@ use crate::identification::effects::FEED_OVERRIDE;
 use crate::machine::Machine;
 
 /// Most lost time that may remain unexplained without a message, as a part of the cycle time.
-const MAX_SILENT_PART: f64 = 2e-3;
+pub const MAX_SILENT_PART: f64 = 2e-3;
 /// Most lost time that may remain beside causes, as a part of the lost time without them: no law matches that of a
 /// control to the last per cent, and the error that it leaves is no other cause.
 pub const MAX_REMAINING_PART: f64 = 0.05;

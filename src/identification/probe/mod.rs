@@ -30,6 +30,7 @@ use thiserror::Error;
 use crate::identification::effects::{self, Effect, Hypothesis, Trace, library};
 use crate::identification::probe::separation::{ProbeTrial, Separation, separations};
 use crate::machine::Machine;
+use crate::simulation::ordered::sort_by_number;
 
 /// Separation at which the choice of snippets ends, in standard deviations.
 pub const TARGET_SEPARATION_SIGMAS: f64 = 10.0;
@@ -249,7 +250,7 @@ fn chosen(separations: &[Separation], costs: &[f64]) -> Vec<usize> {
             _ => break,
         }
     }
-    chosen.sort_unstable();
+    sort_by_number(&mut chosen, |at| *at as f64);
     chosen
 }
 

@@ -9,6 +9,7 @@ use crate::machine::{Access, parameter};
 
 use crate::project::figures::{as_short, to_the_digits_of};
 use crate::project::machine::written::CALIBRATION_KEYS;
+use crate::simulation::ordered::sort_by_number;
 use crate::units::Unit;
 
 /// A parameter of a cause as text.
@@ -42,9 +43,13 @@ pub struct FieldChange {
 }
 
 /// Returns the parameters of a cause as text.
-pub fn parameter_texts(values: &[ReportedValue]) -> Vec<ParameterText> {
-    let mut values: Vec<&ReportedValue> = values.iter().collect();
-    values.sort_by_key(|value| value.quantity.key);
+pub fn parameter_texts(all: &[ReportedValue]) -> Vec<ParameterText> {
+    let mut values: Vec<&ReportedValue> = all.iter().collect();
+    // By their keys, of which each has its place.
+    let place = |value: &&ReportedValue| {
+        all.iter().filter(|other| other.quantity.key < value.quantity.key).count() as f64
+    };
+    sort_by_number(&mut values, place);
     let of = |ReportedValue { quantity, value, deviation }: &ReportedValue| {
         if let (true, Reported::Number(ratio)) = (quantity.key == RATIO.key, value) {
             return percentage(quantity, *ratio, *deviation);

@@ -23,6 +23,7 @@ use crate::simulation::gcode::{
 use crate::simulation::interpreter::bounds::{MAX_CALL_DEPTH, MAX_COUNT, MAX_ITERATIONS_BY_MISSING};
 use crate::simulation::interpreter::parameters::{Parameters, State, Values};
 use crate::simulation::interpreter::remark::TraceRemark;
+use crate::simulation::ordered::sort_by_number;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -280,7 +281,7 @@ impl<'a> ProgramCounter<'a> {
         let call = self.calls.last().expect("the main program is a call");
         let mut counters: Vec<(u32, u32)> =
             call.counters.iter().map(|(block, left)| (*block, *left)).collect();
-        counters.sort_unstable();
+        sort_by_number(&mut counters, |(block, _)| f64::from(*block));
         let situation = Situation { call: (call.serial, call.again), counters, parameters };
         let parameter = self.missing.get(&own).or_else(|| self.missing.get(&self.at));
         let before = self.iterations.remove(&own);

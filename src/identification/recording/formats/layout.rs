@@ -18,6 +18,7 @@ use crate::identification::recording::field::{ChannelField, ChannelLabel};
 use crate::identification::recording::text::{CellContent, is_missing, number};
 use crate::identification::recording::unit::LogUnit;
 use crate::identification::recording::{ReadingOptions, RecordingError};
+use crate::simulation::ordered::sort_by_number;
 
 /// Number of lines that determine separator and head.
 const SNIFFED_LINES: usize = 200;
@@ -67,7 +68,7 @@ pub(in crate::identification::recording) fn layout(
     for separator in SEPARATORS {
         let rows: Vec<Vec<&str>> = body.iter().map(|(_, line)| split(line, *separator)).collect();
         let mut widths: Vec<usize> = rows.iter().map(Vec::len).collect();
-        widths.sort_unstable();
+        sort_by_number(&mut widths, |width| *width as f64);
         let Some(width) = widths.get(widths.len() / 2).copied() else { continue };
         let regular = rows.iter().filter(|row| row.len() == width);
         let values = regular.clone().flatten().filter(|cell| is_value(cell)).count();
