@@ -168,7 +168,12 @@ fn an_axis_that_is_only_taken_to_be_like_another_has_no_deviation() {
     };
     assert!(deviation("x").is_some_and(|deviation| deviation < 10.0), "{:?}", deviation("x"));
     assert_eq!(deviation("y"), None);
-    assert_eq!(calibration.machine.calibrated_on.assumed_accelerations, [false, true, false]);
+    let on = &calibration.machine.calibrated_on;
+    assert_eq!(on.assumed_accelerations, [false, true, false]);
+    let [x, y, z] = on.acceleration_deviations.expect("X and Z are shown");
+    let of_x = x * calibration.machine.axes[0].acceleration;
+    assert!(deviation("x").is_some_and(|deviation| (of_x / deviation - 1.0).abs() < 1e-12), "{of_x}");
+    assert!(y == 0.0 && 0.0 < z && z < 0.02, "{y}, {z}");
 }
 
 /// A slot cut in circles, far below the velocities of the axes, but LinuxCNC plans its corners by these.

@@ -20,7 +20,8 @@ pub use shares::{OperationShare, TimeShare, ToolShare, programmed_time};
 pub use terms::{MAX_MARGIN_OF_PRICE, MarginOf, QUANTITY_BOUNDS, Rounding, TERMS, Term, TermAccess, Terms};
 pub use time_losses::{LossReason, LostTimes, MAX_LISTED_LOSSES, StopReason, TimeLoss, lost_times};
 pub use time_range::{
-    TimeRange, UNKNOWN_LAW_ERROR_RATIO, UnshownFeature, error_beyond_calibration, features_of, range,
+    NORMAL_QUANTILE_95, TimeRange, UNKNOWN_LAW_ERROR_RATIO, UnshownFeature, error_beyond_calibration,
+    features_of, range,
 };
 
 pub use trust::{ASSUMED_TRAVEL_MM, CauseInDoubt, MIN_FEEDRATE_MM_S, Trust, trust};

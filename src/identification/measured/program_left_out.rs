@@ -20,7 +20,7 @@
 use crate::identification::alignment::median;
 use crate::identification::fit::{FreeParameter, NORMAL_MEDIAN_DEVIATION, Run, Whitening, fit};
 use crate::machine::{CalibratedOn, Machine};
-use crate::quote::features_of;
+use crate::quote::{NORMAL_QUANTILE_95, features_of};
 
 /// Weight of the prior, in errors of the size u.
 const PRIOR_WEIGHT: f64 = 4.0;
@@ -32,8 +32,6 @@ const MIN_USUAL_ERROR_RATIO: f64 = 0.002;
 const FREE_SECTIONS: usize = 8;
 /// Largest half of the range that a file states, as a part of the time: with a larger one, nothing is known of the time.
 const MAX_HALF_RANGE: f64 = 1.0;
-/// Quantile of the normal distribution below which 95 % lie.
-const NORMAL_QUANTILE_95: f64 = 1.645;
 /// Relative cost decrease below which a step is the last.
 const ROUGH_FTOL: f64 = 1e-2;
 

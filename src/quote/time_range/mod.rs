@@ -58,7 +58,7 @@ const UNSHOWN_ERROR_RATIO: f64 = 2.5;
 /// calibrations of LinuxCNC assumed, twelve are within 1.15, and one is 1.3 times too high.
 const ASSUMED_ACCELERATION_RATIO: f64 = 1.25;
 /// Quantile of the normal distribution below which 95 % lie: nine in ten are within as many standard deviations.
-const NORMAL_QUANTILE_95: f64 = 1.645;
+pub const NORMAL_QUANTILE_95: f64 = 1.645;
 /// Largest ratio of the relative change of a motion time to that of all accelerations: the time of ramps from rest to rest
 /// is proportional to 1/√a.
 const MAX_TIME_TO_ACCELERATION_CHANGE_RATIO: f64 = 0.5;
@@ -402,8 +402,8 @@ fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshow
     ]
 }
 
-/// Returns by how much longer a program would take at accelerations that are lower by [`NORMAL_QUANTILE_95`] of their
-/// standard deviations, s; 0 if that is certainly at most a part `negligible` of its time.
+/// Returns by how much longer a program would take, at its own tolerances, with accelerations that are lower by
+/// [`NORMAL_QUANTILE_95`] standard deviations, s; 0 if that is certainly at most a part `negligible` of its time.
 fn at_lower_accelerations(toolpath: &Toolpath, machine: &Machine, negligible: f64) -> f64 {
     let lower_by = machine
         .calibrated_on
