@@ -2,7 +2,8 @@
 //!
 //! Each machine is calibrated on the clean run of one program, from a preset and nothing else. With that machine file
 //! the clean run itself is diagnosed, and so are the runs with a change and the clean runs of the other programs of the
-//! same machine, whose cycle times are predicted too. Each clean run is also diagnosed from the preset itself. Where the project's probe was recorded on a machine, it is calibrated
+//! same machine, whose cycle times are predicted too. Each clean run is also diagnosed from the preset itself.
+//! Where the project's probe was recorded on a machine, it is calibrated
 //! on that as well, and every program of the machine is diagnosed and predicted with it.
 //!
 //! What can be seen is laid down here, before anything is run: a change counts as visible where it changes the time of
@@ -171,7 +172,8 @@ fn text(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// Every clean run with the machine file of its program and with the preset, every change with that of its program, and the clean runs of the other programs
+/// Every clean run with the machine file of its program and with the preset, every change with the file of its program,
+/// and the clean runs of the other programs
 /// of its machine, unless the calibration was refused.
 fn trials<'a>(
     programs: &'a [Value],

@@ -59,8 +59,8 @@ pub struct CalibratedOn {
     /// Accelerations that X, Y and Z have at least, mm/s², 0 for an axis whose acceleration was not assumed: with lower
     /// ones the runs would have been slower. `None` if no acceleration was assumed.
     pub least_accelerations: Option<[f64; 3]>,
-    /// Standard deviations of the accelerations of X, Y and Z as parts of them, all three that of the path if the machine
-    /// limits the path; 0 for an acceleration that was assumed. `None` if unknown.
+    /// Relative standard deviations of the accelerations of X, Y and Z: 0 for an assumed one, `None` if all are unknown. If the
+    /// machine limits the acceleration along the path, an axis without a limit has the deviation of that.
     pub acceleration_deviations: Option<[f64; 3]>,
     /// Largest override for which the control may plan its corners as far as the runs show; `None` if they determine that
     /// override, or if the control does not plan corners for one.

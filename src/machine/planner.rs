@@ -99,7 +99,7 @@ impl Machine {
         }
     }
 
-    /// Lowers the limits of acceleration that a family of planners has to `along_path` or to those of the axes, mm/s²: the path
+    /// Lowers the acceleration limits of a family of planners to `along_path` or to those of the axes, mm/s²: the path
     /// and Z for [`Planner::SquareCorner`], all axes for the others.
     pub fn limit_accelerations(&mut self, planner: Planner, along_path: f64, of_axes: [f64; 3]) {
         let is_along_path = planner == Planner::SquareCorner;

@@ -134,8 +134,8 @@ pub fn axis_of(freed: &FreeParameter) -> Option<usize> {
     axis_among(parameters::AXIS_ACCELERATION, freed)
 }
 
-/// Returns the standard deviations of the accelerations of X, Y and Z as parts of them, all three that of the path if it was
-/// fitted; 0 for an acceleration without a deviation, and `None` if none has one.
+/// Returns the relative standard deviations of the accelerations of X, Y and Z: 0 for an unknown one, `None` if all are
+/// unknown. An axis without a deviation gets that of the acceleration along the path.
 pub fn acceleration_deviations(estimates: &[Estimate]) -> Option<[f64; 3]> {
     let of = |parameter: Adjustable| {
         let estimate = estimates.iter().find(|estimate| estimate.key == parameter.key)?;

@@ -177,8 +177,8 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     let own = diagnose_as_it_is(&calibrated, Some(machine), runs, &mut |part| progress(0.75 + 0.25 * part));
     progress(1.0);
     let recorded: f64 = as_it_is.after.iter().map(|comparison| comparison.whole.recorded).sum();
-    // Causes that leave so much do not make the file right, and are no better than a calibration that leaves less. Drives
-    // explain the form of the path, and no time.
+    // If the causes leave that much time, the file is wrong even with them, and a calibration that leaves less is better.
+    // Causes of drives do not count: they explain the form of the path and no time.
     let is_of_time = |cause: &Cause| cause.candidate.hypothesis.effect.nature != Nature::Drive;
     let is_misfit = as_it_is.causes.iter().any(is_of_time) && MAX_SILENT_PART * recorded < as_it_is.left.0;
     let max_ratio = if is_misfit { 1.0 } else { MAX_CALIBRATED_LOST_RATIO };

@@ -1,17 +1,16 @@
 //! The range of a program's time on a machine that was calibrated on other programs.
 //!
 //! ```text
-//! half of the range = √(r² + s²) + Σ U · (time of what the calibration did not show / time of the motion)
+//! half of the range = √(r² + s²) + Σ U · (time of an unshown feature / time of the motion)
 //! ```
 //!
-//! r is the error on other programs within the features shown, from the machine file; s is the change of the motion time
-//! at accelerations that are lower by [`NORMAL_QUANTILE_95`] standard deviations of the calibration, all at once, since
-//! the deviations of axes that move together are of one sign: slow feeds have short ramps, whose acceleration hardly
-//! changes their times, and a program that stops at each block consists of ramps. U is r times
+//! r is the error on other programs within the features shown, from the machine file; s is the relative change
+//! of the time if all accelerations are lower by [`NORMAL_QUANTILE_95`] standard deviations. Slow feeds have ramps so short that
+//! they show accelerations only roughly, and a program that stops at each block consists of ramps. U is r times
 //! [`UNSHOWN_ERROR_RATIO`] or [`UNSHOWN_FEED_ERROR_RATIO`]. Features that the calibrating programs did not show are
-//! corners that turn more, arcs and blocks of other size, faster feeds, and faster rapids of an axis. The time of a
-//! feature is length over feedrate, around a corner at most [`CORNER_REACH_S`] of it, and then that of the motion is too; where
-//! the difference of two simulated times is known, that of the motion is the simulated one.
+//! corners that turn more, arcs and blocks of other size, faster feeds, and faster rapids of an axis. Most
+//! features are measured by length over feedrate, as is the motion then; around a corner at most [`CORNER_REACH_S`] counts. Rapids,
+//! M-words and differences of two simulations are measured by simulated times, as is the motion then.
 //!
 //! If the runs show no corner at all, the corner law is unknown: a corner may cost anything from no time to a full
 //! stop, and an arc twice as long as at its feedrate if they show no arc either. Each end of a segment of length L at
@@ -59,8 +58,8 @@ const UNSHOWN_ERROR_RATIO: f64 = 2.5;
 const ASSUMED_ACCELERATION_RATIO: f64 = 1.25;
 /// Quantile of the normal distribution below which 95 % lie: nine in ten are within as many standard deviations.
 pub const NORMAL_QUANTILE_95: f64 = 1.645;
-/// Largest ratio of the relative change of a motion time to that of all accelerations: the time of ramps from rest to rest
-/// is proportional to 1/√a.
+/// Largest relative change of a motion time, divided by the relative change of all accelerations: ramps from rest to rest
+/// last in proportion to 1/√a.
 const MAX_TIME_TO_ACCELERATION_CHANGE_RATIO: f64 = 0.5;
 /// Relative error of other programs that nine in ten do not exceed on a machine of another law: 13 pairs of programs
 /// of two such planners (seed 71) are off by 17 % in the median and by 41 % at most.
@@ -84,9 +83,9 @@ const MAX_SHORT_BLOCK_S: f64 = 0.1;
 
 /// Least time of a program, s.
 const MIN_WHOLE_S: f64 = 1e-9;
-/// Ratio of an independent error to the error on other programs below which it makes no difference: the sum of their squares
-/// makes the range wider by a hundredth.
-const NEGLIGIBLE_RATIO: f64 = 0.14;
+/// Largest ratio of an independent error to the error on other programs at which it is negligible: it widens the range by a
+/// hundredth.
+const MAX_NEGLIGIBLE_ERROR_RATIO: f64 = 0.14;
 
 /// M-word of the end of a program, which every program has, written or not.
 const PROGRAM_END: u32 = 30;
@@ -262,7 +261,7 @@ struct Unshown {
     lasts: f64,
     /// Largest error of that time, as a part of it.
     error: f64,
-    /// Time of the program by which the part is measured.
+    /// Time of the whole program that `lasts` is compared with.
     whole: Whole,
 }
 
@@ -507,7 +506,7 @@ impl Gathered {
     /// Adds the deviations of the accelerations, which are independent of the error on other programs.
     fn add_rough_accelerations(&mut self, toolpath: &Toolpath, machine: &Machine) {
         let own = self.ratio;
-        let longer = at_lower_accelerations(toolpath, machine, NEGLIGIBLE_RATIO * own);
+        let longer = at_lower_accelerations(toolpath, machine, MAX_NEGLIGIBLE_ERROR_RATIO * own);
         let wider = own.hypot(longer / self.simulated_time.max(MIN_WHOLE_S)) - own;
         self.ratio += wider;
         self.shares[UnshownFeature::RoughAccelerations as usize] += wider;
