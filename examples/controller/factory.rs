@@ -3,6 +3,7 @@
 //! Two or three programs share a machine, so that what is learned on one can be tested on the others. A program that
 //! LinuxCNC refuses, or that takes too short or too long, is counted and drawn again.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -25,13 +26,17 @@ pub struct Order {
     pub changes: usize,
     /// The kinds of changes to draw from; all if empty.
     pub kinds: Vec<String>,
+    /// About how long each program takes, min; a single operation of less than two minutes if `None`.
+    pub minutes: Option<f64>,
     pub recorder: Recorder,
     /// Recorders at work at a time.
     pub jobs: usize,
 }
 
 /// The shortest and the longest motion of a program, s.
-const MOTION: (f64, f64) = (15.0, 110.0);
+const MOTION: RangeInclusive<f64> = 15.0..=110.0;
+/// Ratios of the motion of a program to the time that was ordered, the least and the largest one.
+const MOTION_RATIOS: (f64, f64) = (0.4, 2.5);
 /// How often a program is drawn before the factory gives up.
 const DRAWS: u64 = 20;
 
@@ -126,19 +131,29 @@ fn part(
     let name = format!("p{:02}", number + 1);
     let place = folder.join(&name);
     std::fs::create_dir_all(&place)?;
+    let ordered = order.minutes.map(|minutes| 60.0 * minutes);
+    let motion = ordered.map_or(MOTION, |time| MOTION_RATIOS.0 * time..=MOTION_RATIOS.1 * time);
     let mut refused = Vec::new();
     for draw in 0..DRAWS {
         let mut random = Random::new(order.seed, purpose::PROGRAM + DRAWS * number as u64 + draw);
         let manner = Manner::draw(&mut random).on(order.recorder.family, limits);
         let every = random.pick(&[1, 2, 4, 5, 8]);
         let clearance = random.uniform(3.0, 12.0).round();
-        let mut job = Job::new(random.uniform(18.0, 55.0), clearance);
-        let (kind, fill) = kinds::KINDS[kind];
-        fill(&mut random, &mut job);
+        let (kind, moves) = match order.minutes {
+            Some(minutes) => {
+                ("several operations", kinds::operations(&mut random, 60.0 * minutes, clearance))
+            }
+            None => {
+                let mut job = Job::new(random.uniform(18.0, 55.0), clearance);
+                let (kind, fill) = kinds::KINDS[kind];
+                fill(&mut random, &mut job);
+                (kind, job.moves)
+            }
+        };
         let program = place.join("program.ngc");
-        std::fs::write(&program, manner.write(kind, clearance, &job.moves))?;
+        std::fs::write(&program, manner.write(kind, clearance, &moves))?;
         match order.recorder.record(&program, &place.join("raw.csv.gz"), every, &limits.options())? {
-            Outcome::Recorded(clean) if clean.duration() < MOTION.0 || clean.duration() > MOTION.1 => {
+            Outcome::Recorded(clean) if !motion.contains(&clean.duration()) => {
                 refused.push(format!("{kind}: {:.1} s of motion", clean.duration()));
             }
             Outcome::Refused(why) => refused.push(format!("{kind}: {why}")),

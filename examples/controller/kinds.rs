@@ -23,6 +23,20 @@ pub const KINDS: [Kind; 11] = [
     ("corpus-roughing", |random, job| of_corpus("roughing", random, job)),
 ];
 
+/// Several operations of different kinds, one after another, which take about `seconds` together.
+pub fn operations(random: &mut Random, seconds: f64, clearance: f64) -> Vec<Move> {
+    let mut kinds: Vec<Kind> = KINDS.to_vec();
+    let count = 3 + random.below(4);
+    let mut moves = Vec::new();
+    for _ in 0..count {
+        let (_, fill) = kinds.swap_remove(random.below(kinds.len()));
+        let mut job = Job::new(seconds / count as f64 * random.uniform(0.5, 1.5), clearance);
+        fill(random, &mut job);
+        moves.append(&mut job.moves);
+    }
+    moves
+}
+
 /// A feedrate in steps of 10 mm/min.
 fn feed(random: &mut Random, low: f64, high: f64) -> f64 {
     10.0 * (random.log_uniform(low, high) / 10.0).round()

@@ -9,13 +9,14 @@
 //!
 //! ```text
 //! cargo run --release --example controller -- record --seed 1 --programs 12 --changes 3 --out DIR
-//!     [--control grbl --kinds backlash,servo_lag --recorder ../shared/recorders/linuxcnc/record.py --jobs 2 --nice 10]
+//!     [--control grbl --kinds backlash,servo_lag --recorder ../shared/recorders/linuxcnc/record.py --jobs 2 --nice 10
+//!      --minutes 10]
 //! cargo run --release --example controller -- probe DIR [--control grbl --preset M.toml --recorder … --jobs 2]
 //! cargo run --release --example controller -- score DIR --out REPORTS
 //!     [--truefeed target/release/truefeed --preset M.toml --jobs 2]
 //! ```
 //!
-//! `probe` records the project's probe on each machine of DIR as well; `score` then calibrates on it, too. `score`
+//! With `--minutes`, each program consists of several operations of different kinds and takes about that long. `probe` records the project's probe on each machine of DIR as well; `score` then calibrates on it, too. `score`
 //! keeps the report of each case in REPORTS and does not ask again for those in there, so an interrupted run
 //! continues. It refuses a folder with the reports of another seed, build or preset.
 
@@ -66,11 +67,13 @@ fn run() -> Result<(), Refusal> {
         programs: 12,
         changes: 3,
         kinds: Vec::new(),
+        minutes: None,
         recorder: recorder::Recorder {
             family: machine::Family::LinuxCnc,
             script: "../shared/recorders/linuxcnc/record.py".into(),
             nice: 0,
             speed: 8.0,
+            wall_limit_s: recorder::WALL_LIMIT_S,
         },
         jobs: 2,
     };
@@ -90,6 +93,11 @@ fn run() -> Result<(), Refusal> {
                 if let Some(other) = order.kinds.iter().find(|name| changes::named(name).is_none()) {
                     return Err(format!("no kind of change is called '{other}'").into());
                 }
+            }
+            Long("minutes") => {
+                let minutes: f64 = arguments.value()?.parse()?;
+                order.minutes = Some(minutes);
+                order.recorder.wall_limit_s = recorder::WALL_LIMIT_S + 60.0 * minutes;
             }
             Long("control") => {
                 let name = arguments.value()?.string()?;

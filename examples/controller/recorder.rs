@@ -15,7 +15,12 @@ pub struct Recorder {
     pub nice: i32,
     /// How many times faster than in reality.
     pub speed: f64,
+    /// How long the recorder may take for a program, s.
+    pub wall_limit_s: f64,
 }
+
+/// How long the recorder of LinuxCNC may take for a program of less than two minutes, s.
+pub const WALL_LIMIT_S: f64 = 120.0;
 
 /// What came of a recording.
 pub enum Outcome {
@@ -44,7 +49,7 @@ impl Recorder {
             .arg(program)
             .arg("--out")
             .arg(raw)
-            .args(["--columns", "fb", "--prefill", "200", "--wall-limit", "120"])
+            .args(["--columns", "fb", "--prefill", "200", "--wall-limit", &self.wall_limit_s.to_string()])
             // Without it a program that asks for no path mode has the one of a start-up that is not the same each time.
             .args(["--default-path", "G64"])
             .args(["--every", &every.to_string(), "--speed", &self.speed.to_string()])

@@ -4,12 +4,13 @@
 //! blend corners, and steps of velocity at corners. Another model is taken if it is nearer by the margin of its kind (see
 //! the front file).
 
+use crate::identification::calibration::held_accelerations::HeldAccelerations;
 use crate::identification::calibration::motion::{motion, spindle_ramp};
 use crate::identification::calibration::rapids::{RapidPlateaus, RapidRates, is_limited_as_rapids};
 use crate::identification::calibration::{
     BETTER_STEPS, MIN_CONTRADICTING_COST, MIN_ORDER_COST_DROP, MIN_ORDER_COST_DROP_RATIO,
-    ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, compared, polled, run_fit, set_order, steps, waits,
-    whitened, with_laws,
+    ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, compared, laws, nearest, polled, run_fit, set_order,
+    steps, waits, whitened, whitened_in_parts,
 };
 use crate::identification::comparison::Comparison;
 use crate::identification::effects::MIN_EXPLAINED_SHARE;
@@ -29,10 +30,17 @@ const PRIOR_CLOCK_DEVIATION_RATIO: f64 = 5e-4;
 pub struct Fitting<'a> {
     /// The machine before the calibration.
     pub machine: &'a Machine,
+    /// The runs by which the machine is calibrated.
+    whole: &'a [Run<'a>],
+    /// The runs that the fits see: all, or excerpts of them.
     pub runs: &'a [Run<'a>],
+    /// `true` if the fits see excerpts.
+    in_parts: bool,
     /// The waits to be fitted, each with its value before the calibration.
     waits: Vec<(FreeParameter, f64)>,
     pub plateaus: Option<RapidPlateaus>,
+    /// The accelerations that ramps hold.
+    pub held: Option<HeldAccelerations>,
     pub share: Share<'a>,
 }
 
@@ -74,8 +82,25 @@ impl<'a> Fitting<'a> {
         if let Some(seen) = plateaus {
             guess.rapid.at_feedrate = seen.feedrates.are_programmed(guess.rapid.at_feedrate);
         }
+        let held = HeldAccelerations::of(runs);
         let share = Share { done: 0.0, part: 0.2, progress };
-        (Fitting { machine, runs, waits, plateaus, share }, guess)
+        (Fitting { machine, whole: runs, runs, in_parts: false, waits, plateaus, held, share }, guess)
+    }
+
+    /// Returns the model that is nearest to excerpts of the runs, fitted to the whole runs, and the cost of each order of
+    /// filters tried.
+    pub fn model_of_parts(&mut self, parts: &'a [Run<'a>], guess: &Machine) -> (Model, Vec<(usize, f64)>) {
+        (self.runs, self.in_parts) = (parts, true);
+        let (Model { best, order, .. }, orders) = self.model(guess);
+        (self.runs, self.in_parts) = (self.whole, false);
+        let (best, whitenings) = self.fit_at_own_noise(&best.machine, order, FTOL);
+        (Model { best, whitenings, order }, orders)
+    }
+
+    /// Returns the whitening of what the fits see at the noise that a machine leaves.
+    fn whitening(&self) -> impl Fn(&Machine) -> Vec<Whitening> + use<'a> {
+        let (runs, in_parts) = (self.runs, self.in_parts);
+        move |machine| if in_parts { whitened_in_parts(machine, runs) } else { whitened(machine, runs) }
     }
 
     /// Returns the model that is nearest to the runs, and the cost of each order of filters tried.
@@ -194,15 +219,18 @@ impl<'a> Fitting<'a> {
 
     /// Returns a fit and its whitenings as [`at_own_noise`] does.
     pub fn fit_at_own_noise(&mut self, start: &Machine, order: usize, hardly: f64) -> (Fit, Vec<Whitening>) {
-        at_own_noise(start, self.runs, |machine, whitenings| self.fit(machine, order, whitenings, hardly))
+        at_own_noise(start, self.whitening(), |machine, whitenings| {
+            self.fit(machine, order, whitenings, hardly)
+        })
     }
 
     /// Returns the fitted filters of the nominal order, or of another one that is nearer by far, and the cost of
     /// each order tried.
     fn filters(&mut self, guess: &Machine, shows_ramps: bool) -> (Model, Vec<(usize, f64)>) {
         let nominal = self.machine.interpolator.filters;
-        let first = self.fit(guess, nominal, &whitened(guess, self.runs), ROUGH_COST_TOLERANCE);
-        let whitenings = whitened(&first.machine, self.runs);
+        let whitened = self.whitening();
+        let first = self.fit(guess, nominal, &whitened(guess), ROUGH_COST_TOLERANCE);
+        let whitenings = whitened(&first.machine);
         let best = self.fit(&first.machine, nominal, &whitenings, ROUGH_COST_TOLERANCE);
         let mut orders = vec![(nominal, best.cost)];
         let mut model = Model { best, whitenings, order: nominal };
@@ -226,11 +254,21 @@ impl<'a> Fitting<'a> {
     /// Adds every law of filters that the runs show to the model.
     fn take_laws(&mut self, model: &mut Model) {
         self.share.part = 0.05;
-        let (machine, runs, order) = (self.machine, self.runs, model.order);
-        let whitenings = std::mem::take(&mut model.whitenings);
-        model.whitenings = with_laws(machine, runs, &mut model.best, whitenings, |machine, whitenings| {
-            self.fit(machine, order, whitenings, ROUGH_COST_TOLERANCE)
-        });
+        let mut is_other = false;
+        for choice in laws::CHOICES {
+            let laws = choice(self.machine, &model.best.machine, self.whole);
+            let firsts = laws.into_iter().filter_map(|law| nearest(law, self.runs, &model.whitenings));
+            let firsts: Vec<Machine> = firsts.collect();
+            let found = self.nearest_fit(&firsts, model, ROUGH_COST_TOLERANCE);
+            let margin = laws::MIN_LAW_COST_DROP.max(laws::MIN_LAW_COST_DROP_RATIO * model.best.cost);
+            if let Some(found) = found.filter(|found| found.cost < model.best.cost - margin) {
+                (model.best, is_other) = (found, true);
+            }
+        }
+        if is_other {
+            model.whitenings = self.whitening()(&model.best.machine);
+            model.best = self.fit(&model.best.machine, model.order, &model.whitenings, ROUGH_COST_TOLERANCE);
+        }
     }
 
     /// Returns the fit of least cost among those that start from these machines, at the order and noise of a model; `None`

@@ -67,11 +67,10 @@ pub fn guesses(
     fitted: &Machine,
     runs: &[Run],
     whitenings: &[Whitening],
-    plateaus: Option<RapidPlateaus>,
+    (plateaus, held): (Option<RapidPlateaus>, Option<HeldAccelerations>),
 ) -> Vec<Machine> {
     let mut plain = fitted.clone();
     plain.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
-    let held = HeldAccelerations::of(runs);
     let guessing = Guessing { machine, fitted: &plain, runs, whitenings, plateaus, held };
     candidates(&plain, plateaus).into_iter().flat_map(|candidate| guessing.of(candidate)).collect()
 }

@@ -24,6 +24,7 @@
 mod alike;
 mod assumed;
 mod choice;
+mod excerpts;
 mod families;
 mod held_accelerations;
 mod judgement;
@@ -41,6 +42,7 @@ mod waits;
 
 use nalgebra::DMatrix;
 
+pub use excerpts::{CALIBRATION_WINDOWS_S, DIAGNOSIS_WINDOWS_S, Excerpt, excerpts};
 pub use rapids::RapidPlateaus;
 pub use untold::MAX_RELATIVE_DEVIATION;
 pub use waits::guesses;
@@ -52,6 +54,7 @@ use crate::identification::comparison::{Comparison, Durations};
 use crate::identification::effects::parameters::PROGRAM_START;
 use crate::identification::fit::{
     Exactness, FTOL, Fit, FreeParameter, Run, VariationScale, Whitening, cost_of, fit, ramp_misfit,
+    whitenings_in_common,
 };
 use crate::machine::{Handle, Machine, TimeConstants};
 use crate::simulation::feed::Tolerances;
@@ -154,8 +157,12 @@ impl Calibration {
 /// Calibrates a machine by runs on it. `progress` is called with the completed fraction, 0 to 1.
 pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Calibration {
     let before = compared(machine, runs);
+    let long =
+        runs.iter().all(|run| polled(run).is_none()).then(|| excerpts(runs, CALIBRATION_WINDOWS_S)).flatten();
+    let parts: Vec<Run> = long.iter().flatten().flatten().map(Excerpt::run).collect();
     let (mut fitting, guess) = Fitting::new(machine, runs, &before, progress);
-    let (model, orders) = fitting.model(&guess);
+    let (model, orders) =
+        if parts.is_empty() { fitting.model(&guess) } else { fitting.model_of_parts(&parts, &guess) };
     let judgement = fitting.judgement(&model);
     let Model { whitenings, .. } = model;
     let mut fit = |machine: &Machine, parameters: &[(FreeParameter, f64)]| {
@@ -293,43 +300,17 @@ fn nearest_with_cost(
     costs.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Adds every law that the runs show to `best`, and returns the whitenings at the noise that remains.
-fn with_laws(
-    before: &Machine,
-    runs: &[Run],
-    best: &mut Fit,
-    mut whitenings: Vec<Whitening>,
-    mut fitted: impl FnMut(&Machine, &[Whitening]) -> Fit,
-) -> Vec<Whitening> {
-    let mut is_other = false;
-    for choice in laws::CHOICES {
-        let first = |law: laws::Law| nearest(law, runs, &whitenings);
-        let laws = choice(before, &best.machine, runs).into_iter().filter_map(first);
-        let found = laws.map(|machine| fitted(&machine, &whitenings));
-        let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));
-        let margin = laws::MIN_LAW_COST_DROP.max(laws::MIN_LAW_COST_DROP_RATIO * best.cost);
-        if let Some(found) = found.filter(|found| found.cost < best.cost - margin) {
-            (*best, is_other) = (found, true);
-        }
-    }
-    if is_other {
-        whitenings = whitened(&best.machine, runs);
-        *best = fitted(&best.machine, &whitenings);
-    }
-    whitenings
-}
-
 /// Returns a fit from a machine at the noise that it leaves, repeated while that noise falls, and the whitenings of
 /// the last fit. At the noise of a wrong law, hardly anything distinguishes the values of the right one.
 fn at_own_noise(
     start: &Machine,
-    runs: &[Run],
+    whitened: impl Fn(&Machine) -> Vec<Whitening>,
     mut fitted: impl FnMut(&Machine, &[Whitening]) -> Fit,
 ) -> (Fit, Vec<Whitening>) {
-    let mut whitenings = whitened(start, runs);
+    let mut whitenings = whitened(start);
     let mut best = fitted(start, &whitenings);
     for _ in 1..MAX_NOISE_ROUNDS {
-        let less = whitened(&best.machine, runs);
+        let less = whitened(&best.machine);
         if MAX_NOISE_RATIO * wander(&whitenings) < wander(&less) {
             break;
         }
@@ -337,6 +318,12 @@ fn at_own_noise(
         best = fitted(&best.machine, &whitenings);
     }
     (best, whitenings)
+}
+
+/// Returns the whitening of each excerpt, with its only section, at the noise that a machine leaves in all of them.
+fn whitened_in_parts(machine: &Machine, parts: &[Run]) -> Vec<Whitening> {
+    let whitenings = whitenings_in_common(machine, parts);
+    whitenings.into_iter().zip(parts).map(|(own, part)| own.with_equal_sections(1, part.alignment)).collect()
 }
 
 /// Returns the sum of the process noises of some whitenings: what a machine leaves.

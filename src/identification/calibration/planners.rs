@@ -22,7 +22,8 @@ const PLANNERS_SHARE: f64 = 0.4;
 impl Fitting<'_> {
     /// Replaces the model by the nearest planner if that is nearer by far; `plain` has the filters without laws.
     pub fn try_planners(&mut self, plain: &Machine, model: &mut Model) {
-        let starts = families::guesses(self.machine, plain, self.runs, &model.whitenings, self.plateaus);
+        let starts =
+            families::guesses(self.machine, plain, self.runs, &model.whitenings, (self.plateaus, self.held));
         self.share.part = PLANNERS_SHARE / (starts.len().max(1) * MAX_NOISE_ROUNDS) as f64;
         let mut of_families: Vec<Model> = Vec::new();
         for start in &starts {

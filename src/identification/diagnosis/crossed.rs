@@ -4,9 +4,9 @@
 //! stretch, and the feedrates are compared on the others; then the other way round. In a long run the causes
 //! are fitted to excerpts, and the feedrates are compared outside of them.
 
+use crate::identification::calibration::Excerpt;
 use crate::identification::comparison::PooledFeedError;
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
-use crate::identification::diagnosis::excerpts::Excerpt;
 use crate::identification::diagnosis::speeds;
 use crate::identification::fit::Run;
 use crate::machine::Machine;

@@ -5,6 +5,7 @@ use crate::identification::effects::parameters::{AXIS_ACCELERATION, AXIS_RAPID, 
 use crate::identification::effects::{Between, Hypothesis};
 use crate::identification::fit::{
     FTOL, Fit, FreeParameter, Run, Whitening, cost_of, dispersion, fit, golden_section, whitened,
+    whitenings_in_common,
 };
 use crate::machine::Machine;
 
@@ -86,11 +87,7 @@ impl<'a> Evidence<'a> {
 
     /// Returns the evidence of runs that are parts of one: all have the same noise, that of their residuals together.
     pub fn in_common(runs: &'a [Run<'a>], machine: &Machine) -> Evidence<'a> {
-        let residuals: Vec<Vec<f64>> = runs.iter().map(|run| run.residuals(machine)).collect();
-        let pairs: Vec<_> = runs.iter().zip(&residuals).map(|(run, own)| (run.alignment, &own[..])).collect();
-        let wander = Whitening::common(&pairs);
-        let whitenings = runs.iter().map(|run| Whitening::new(run.alignment, wander)).collect();
-        Evidence { runs, whitenings, assumed: assumed(machine) }
+        Evidence { runs, whitenings: whitenings_in_common(machine, runs), assumed: assumed(machine) }
     }
 
     /// Returns the whitened residuals of a machine, run by run.

@@ -5,11 +5,11 @@
 //! added up place by place. If a single limit or setting leaves too much, the search names another one that passes every
 //! test and leaves little, and counts the first one as alike.
 
+use crate::identification::calibration::{DIAGNOSIS_WINDOWS_S, Excerpt, excerpts};
 use crate::identification::diagnosis::acceptance::id_beside;
 use crate::identification::diagnosis::cause::{AcceptedCause, candidates};
 use crate::identification::diagnosis::confidence::weighed;
 use crate::identification::diagnosis::evidence::{Looked, with_all};
-use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::model_error::{
     doubt_of_law, is_of_machine, is_worth_a_search, without_story,
 };
@@ -49,7 +49,7 @@ impl InTime {
         library: &mut Vec<Hypothesis>,
         progress: &mut dyn FnMut(f64),
     ) -> InTime {
-        let excerpts = excerpts(runs);
+        let excerpts = excerpts(runs, DIAGNOSIS_WINDOWS_S);
         let parts: Option<Vec<Run>> =
             excerpts.as_ref().map(|excerpts| excerpts.iter().flatten().map(Excerpt::run).collect());
         let looked =

@@ -19,7 +19,6 @@ mod confidence;
 mod crossed;
 mod dips;
 mod evidence;
-mod excerpts;
 mod form;
 mod gates;
 mod in_time;

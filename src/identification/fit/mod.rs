@@ -152,6 +152,14 @@ pub fn whitened(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Ve
     each.collect()
 }
 
+/// Returns the whitening of each of some runs that are parts of one: all have the same noise, that of their residuals together.
+pub fn whitenings_in_common(machine: &Machine, parts: &[Run]) -> Vec<Whitening> {
+    let residuals: Vec<Vec<f64>> = parts.iter().map(|part| part.residuals(machine)).collect();
+    let pairs: Vec<_> = parts.iter().zip(&residuals).map(|(part, own)| (part.alignment, &own[..])).collect();
+    let process_noise = Whitening::common(&pairs);
+    parts.iter().map(|part| Whitening::new(part.alignment, process_noise)).collect()
+}
+
 /// Returns Σ ρ of whitened residuals.
 pub fn cost<'a>(whitened: impl IntoIterator<Item = &'a f64>) -> f64 {
     whitened.into_iter().map(|value| minimise::rho(*value)).sum()

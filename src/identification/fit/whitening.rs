@@ -60,11 +60,16 @@ impl Whitening {
         Whitening { steps: steps.collect(), process_noise: wander, sections: Vec::new() }
     }
 
-    /// Adds the sections as further residuals after those of the marks.
+    /// Adds the sections of a run as further residuals after those of the marks.
     pub fn with_sections(self, alignment: &Alignment) -> Whitening {
+        self.with_equal_sections(SECTIONS_PER_RUN, alignment)
+    }
+
+    /// Adds sections as further residuals after those of the marks: `count` equal parts of the time.
+    pub fn with_equal_sections(self, count: usize, alignment: &Alignment) -> Whitening {
         let marks = &alignment.marks;
         let Some((first, last)) = marks.first().zip(marks.last()) else { return self };
-        let length = (last.time - first.time) / SECTIONS_PER_RUN as f64;
+        let length = (last.time - first.time) / count as f64;
         let bound = |at: usize| {
             let time = first.time + at as f64 * length;
             marks.partition_point(|mark| mark.time < time).min(marks.len() - 1)
@@ -76,7 +81,7 @@ impl Whitening {
             let variance = self.process_noise * self.process_noise * lasts + errors;
             (begin < end).then(|| (begin, end, 1.0 / variance.sqrt()))
         };
-        let sections = (0..SECTIONS_PER_RUN).filter_map(section).collect();
+        let sections = (0..count).filter_map(section).collect();
         Whitening { sections, ..self }
     }
 

@@ -1,11 +1,10 @@
-//! Excerpts of long runs, in which the search looks for causes.
+//! Excerpts of long runs, by which a calibration chooses the model of the control and in which a diagnosis looks for causes.
 //!
-//! The time of a simulation grows with the length of the program, and a diagnosis needs hundreds of simulations. The
-//! search therefore looks at a run longer than [`LONG_RUN_S`] or [`LONG_RUN_SEGMENTS`] only in windows of [`WINDOW`] s,
-//! evenly spread and [`ALL_WINDOWS_S`] s long in all, and in windows of a few marks around [`STOPS_PER_KIND`] stops of each
-//! kind. Each window becomes a separate program with the marks in it. Up to [`MARGIN_SEGMENTS`] moves before and after
+//! The time of a simulation grows with the length of the program, and both need hundreds of simulations. Of a run longer
+//! than [`LONG_RUN_S`] or [`LONG_RUN_SEGMENTS`] they therefore see only windows of [`WINDOW`] s, evenly spread and
+//! [`CALIBRATION_WINDOWS_S`] or [`DIAGNOSIS_WINDOWS_S`] long in all, and windows of a few marks around [`STOPS_PER_KIND`] stops of each kind. Each window becomes a separate program with the marks in it. Up to [`MARGIN_SEGMENTS`] moves before and after
 //! the window are simulated and not compared, as the motion depends on nothing farther away than a filter delay, a ramp
-//! or a full stop. The causes found are judged on the whole run.
+//! or a full stop. What was found is fitted and judged on the whole run.
 //!
 //! Limits: a look-ahead that is longer than the margin sees less far; an event that happens once, outside of all
 //! windows and at no stop, is found only as a rest.
@@ -23,14 +22,17 @@ use crate::simulation::toolpath::{Motion, PathMode, Segment, Stop, Toolpath};
 const LONG_RUN_S: f64 = 300.0;
 /// Number of segments above which a run is long.
 const LONG_RUN_SEGMENTS: usize = 8_000;
-/// Duration of the evenly spread windows of all runs together, s.
-const ALL_WINDOWS_S: f64 = 180.0;
+/// Duration of the evenly spread windows of all runs together that a calibration sees, s: single operations of 20 to 110 s show
+/// the model of a control.
+pub const CALIBRATION_WINDOWS_S: f64 = 90.0;
+/// The same for a diagnosis, whose causes may act at a few places only, s.
+pub const DIAGNOSIS_WINDOWS_S: f64 = 180.0;
 /// Length of a window, s.
 const WINDOW: f64 = 7.5;
 /// Maximum number of segments of the margin before and after a window.
 const MARGIN_SEGMENTS: usize = 40;
 /// Time of programmed feed moves after which a margin is long enough, s.
-const MARGIN_S: f64 = 4.0;
+const MARGIN_S: f64 = 2.0;
 /// Maximum number of stops of a kind that get a window.
 const STOPS_PER_KIND: usize = 4;
 /// Number of marks before and after a stop that belong to its window.
@@ -57,14 +59,14 @@ impl Excerpt {
     }
 }
 
-/// Returns the excerpts of each run; `None` if no run is long.
-pub fn excerpts(runs: &[Run]) -> Option<Vec<Vec<Excerpt>>> {
+/// Returns the excerpts of each run, with evenly spread windows of `windows_s` seconds in all; `None` if no run is long.
+pub fn excerpts(runs: &[Run], windows_s: f64) -> Option<Vec<Vec<Excerpt>>> {
     let is_long = |run: &Run| {
         LONG_RUN_S < duration(&run.alignment.marks) || LONG_RUN_SEGMENTS < run.toolpath.segments.len()
     };
     runs.iter()
         .any(is_long)
-        .then(|| runs.iter().map(|run| of_run(run, ALL_WINDOWS_S / runs.len() as f64)).collect())
+        .then(|| runs.iter().map(|run| of_run(run, windows_s / runs.len() as f64)).collect())
 }
 
 fn duration(marks: &[Mark]) -> f64 {
