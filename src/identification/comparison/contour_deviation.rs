@@ -8,8 +8,14 @@
 //! motion is weighted by σ²/(σ² + (v τ)²), with the noise σ (mm) and the uncertainty τ (s) of stamps: at rapid
 //! speed a millisecond is a third of a millimetre.
 //! The remainder is the deviation of the path: lag at corners, backlash at reversals, vibration.
+//!
+//! Of a long recording, [`WINDOWS`] evenly spread windows of [`WINDOW_S`] are compared. Drives respond to the motion of the last
+//! seconds, and backlash depends on where each axis last turned; the profile far from any window therefore keeps only the
+//! rows at which an axis turns.
 
-use crate::identification::alignment::{Alignment, Mark, median};
+use std::ops::Range;
+
+use crate::identification::alignment::{Alignment, Fix, Mark, median};
 use crate::machine::Machine;
 use crate::simulation::drive::AxisMotion;
 use crate::simulation::feed::FeedPlan;
@@ -19,6 +25,16 @@ use crate::simulation::toolpath::Toolpath;
 
 /// Time before and after a mark over which the median of the residuals is taken, s.
 const MEDIAN_REACH_S: f64 = 1.0;
+/// Number of windows of a long recording, and the duration of each, s.
+const WINDOWS: usize = 24;
+const WINDOW_S: f64 = 2.0;
+/// Time before and after a window for which the profile keeps all rows, s: drives settle before it, and delays are shorter.
+const MARGINS_S: (f64, f64) = (5.0, 1.0);
+/// Least ratio of the duration of a recording to that of the windows with their margins.
+const MIN_LONG_RATIO: f64 = 1.5;
+/// Velocity of an axis in rows far from any window, as a part of its own: it keeps its sign, and the cubic between such rows
+/// does not overshoot.
+const DISTANT_VELOCITY_RATIO: f64 = 1e-9;
 /// Most samples compared.
 const MAX_SAMPLES: usize = 8000;
 /// Uncertainty of a recorder's stamps, s; multiplied by the speed it is a difference along the motion.
@@ -58,11 +74,15 @@ pub struct ContourDeviation {
 }
 
 impl ContourDeviation {
-    /// Returns the deviations of a run, given the simulated times at the marks (s) and the residuals there
-    /// (s) if the run lost time; `None` without positions.
+    /// Returns the profile of a plan as [`ContourDeviation::new`] needs it.
+    pub fn samples(toolpath: &Toolpath, plan: &FeedPlan) -> Samples {
+        Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 })
+    }
+
+    /// Returns the deviations of a run from its simulated profile, given the simulated times at the marks (s) and the
+    /// residuals there (s) if the run lost time; `None` without positions.
     pub fn new(
-        toolpath: &Toolpath,
-        plan: &FeedPlan,
+        samples: &Samples,
         alignment: &Alignment,
         simulated: &[f64],
         residuals: Option<&[f64]>,
@@ -70,14 +90,20 @@ impl ContourDeviation {
         let track = alignment.track.as_ref()?;
         let smooth =
             residuals.map_or(vec![0.0; simulated.len()], |residuals| running_medians(simulated, residuals));
-        let every = alignment.fixes.len().div_ceil(MAX_SAMPLES).max(1);
+        let windows = windows(&alignment.fixes);
+        let compared: usize = windows.iter().map(Range::len).sum();
+        let every = compared.div_ceil(MAX_SAMPLES).max(1);
         let mut clock = SimulatedClock::new(&alignment.marks, simulated, &smooth)?;
-        let mut rows = Vec::new();
-        for fix in alignment.fixes.iter().step_by(every) {
-            let Some(sample) = fix.sample else { continue };
-            rows.push((clock.at(fix.time), track.position[sample].into()));
+        let (mut rows, mut spans) = (Vec::new(), Vec::new());
+        for window in windows {
+            let first = rows.len();
+            for fix in alignment.fixes[window].iter().step_by(every) {
+                let Some(sample) = fix.sample else { continue };
+                rows.push((clock.at(fix.time), track.position[sample].into()));
+            }
+            spans.extend(rows.get(first).zip(rows.last()).map(|((from, _), (to, _))| *from..*to));
         }
-        let samples = Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 });
+        let samples = if 1 < spans.len() { near(samples, &spans) } else { samples.clone() };
         Some(ContourDeviation { samples, rows, recorded: track.recorded, noise: track.noise.max(2e-3) })
     }
 
@@ -244,6 +270,70 @@ impl PositionDifference {
     }
 }
 
+/// Returns the windows of a recording as ranges of its fixes; the only one is the whole recording if that is not long.
+fn windows(fixes: &[Fix]) -> Vec<Range<usize>> {
+    let Some((first, last)) = fixes.first().zip(fixes.last()) else { return Vec::new() };
+    let duration = last.time - first.time;
+    if duration < MIN_LONG_RATIO * WINDOWS as f64 * (MARGINS_S.0 + WINDOW_S + MARGINS_S.1) {
+        return vec![0..fixes.len()];
+    }
+    let at = |time: f64| fixes.partition_point(|fix| fix.time < time);
+    let window = |number: usize| {
+        let begin = first.time + (duration - WINDOW_S) * (number as f64 + 0.5) / WINDOWS as f64;
+        at(begin)..at(begin + WINDOW_S)
+    };
+    (0..WINDOWS).map(window).collect()
+}
+
+/// Returns the rows of a profile that drives need for their motion in some spans of simulated time, s, in ascending order.
+fn near(samples: &Samples, spans: &[Range<f64>]) -> Samples {
+    let mut kept = Samples::default();
+    let mut signs = [0.0; 3];
+    let mut span = 0;
+    let last = samples.time.len().saturating_sub(1);
+    for row in 0..samples.time.len() {
+        // The rows around the span belong to it, too.
+        let [before, after] = [row.saturating_sub(1), (row + 1).min(last)].map(|row| samples.time[row]);
+        while span + 1 < spans.len() && spans[span].end + MARGINS_S.1 < before {
+            span += 1;
+        }
+        let is_near = spans[span].start - MARGINS_S.0 <= after && before <= spans[span].end + MARGINS_S.1;
+        let turns = |axis: usize| {
+            let velocity = samples.velocity[axis][row];
+            velocity != 0.0 && velocity.signum() != signs[axis]
+        };
+        let is_turn = (0..3).any(turns);
+        for (sign, velocity) in signs.iter_mut().zip(&samples.velocity) {
+            if velocity[row] != 0.0 {
+                *sign = velocity[row].signum();
+            }
+        }
+        if is_near {
+            push_row(&mut kept, samples, row, 1.0);
+        } else if is_turn {
+            // The place where the axis turns is between both rows.
+            for row in row.saturating_sub(1)..=row {
+                if kept.time.last().is_none_or(|last| *last < samples.time[row]) {
+                    push_row(&mut kept, samples, row, DISTANT_VELOCITY_RATIO);
+                }
+            }
+        }
+    }
+    kept
+}
+
+/// Adds a row of other samples, with its velocities multiplied by a ratio.
+fn push_row(kept: &mut Samples, samples: &Samples, row: usize, velocity_ratio: f64) {
+    kept.time.push(samples.time[row]);
+    kept.distance.push(samples.distance[row]);
+    kept.feedrate.push(samples.feedrate[row]);
+    kept.line.push(samples.line[row]);
+    for axis in 0..3 {
+        kept.position[axis].push(samples.position[axis][row]);
+        kept.velocity[axis].push(velocity_ratio * samples.velocity[axis][row]);
+    }
+}
+
 fn geometric_mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let count = values.len().max(1) as f64;
     (values.map(f64::ln).sum::<f64>() / count).exp()
@@ -278,7 +368,11 @@ fn running_medians(simulated: &[f64], residuals: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::StructuralMode;
     use crate::simulation::drive::actual_motion;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::simulate;
 
     #[test]
     fn a_running_median_keeps_a_jump_and_drops_an_outlier() {
@@ -382,5 +476,36 @@ mod tests {
         // In 43 % of the parts X is off by half of the backlash, 0.01 mm, beside noise of 2e-3 mm: √26^0.43.
         let typical = ratio(&|one| one.typical_error(&machine));
         assert!((typical - 2.01).abs() < 0.03, "{typical}");
+    }
+
+    /// Squares with sides of 4 s, after a plunge of Z, for 400 s.
+    #[test]
+    fn drives_respond_near_windows_as_to_the_whole_profile() {
+        let mut machine = Machine::default();
+        machine.axes[0].servo_lag = 0.02;
+        machine.axes[1].mode = Some(StructuralMode { frequency: 12.0, damping: 0.05 });
+        machine.axes[1].backlash = 0.03;
+        machine.axes[2].backlash = 0.05;
+        let program = format!("G1 F600\nZ-3\n{}", "X40\nY40\nX0\nY0\n".repeat(25));
+        let toolpath = trace(&read(program.as_bytes()), &machine);
+        let samples = ContourDeviation::samples(&toolpath, &simulate(&toolpath, &machine));
+        let fix = |at: u32| Fix { time: 0.02 * f64::from(at), distance: 0.0, sample: None };
+        let fixes: Vec<Fix> = (0..20_000).map(fix).collect();
+        let spans = windows(&fixes).into_iter().map(|own| fixes[own.start].time..fixes[own.end - 1].time);
+        let spans: Vec<Range<f64>> = spans.collect();
+        assert_eq!(spans.len(), WINDOWS);
+        let thinned = near(&samples, &spans);
+        assert!(2 * thinned.time.len() < samples.time.len(), "{} rows", thinned.time.len());
+        for axis in 0..3 {
+            let [whole, near] = [&samples, &thinned].map(|samples| AxisMotion::of(samples, &machine, axis));
+            let (mut row, mut near_row) = (0, 0);
+            for time in spans.iter().flat_map(|span| [span.start, 0.5 * (span.start + span.end), span.end]) {
+                let (expected, found) = (whole.at(time, &mut row).0, near.at(time, &mut near_row).0);
+                assert!(
+                    (expected - found).abs() < 1e-4,
+                    "axis {axis} at {time} s: {found} for {expected} mm"
+                );
+            }
+        }
     }
 }

@@ -13,7 +13,7 @@
 //! backlash of a hundredth. The geometric mean is the likelihood of parts whose errors have unknown sizes. It is used
 //! where a calibration has measured what it leaves by itself.
 
-use crate::identification::comparison::{ContourDeviation, TYPICAL_PARTS};
+use crate::identification::comparison::{ContourDeviation, TYPICAL_PARTS, compare};
 use crate::identification::diagnosis::evidence::Candidate;
 use crate::identification::diagnosis::standing::{MAX_UNEXPLAINED_RATIO, Standing};
 use crate::identification::effects::{Hypothesis, Trace};
@@ -136,21 +136,6 @@ impl Explained {
     }
 }
 
-/// Returns the RMS form error of a machine, mm; `None` without recorded positions.
-pub fn error(machine: &Machine, runs: &[Run]) -> Option<f64> {
-    let of = |on_time: bool| {
-        let forms = forms(machine, runs, on_time);
-        (!forms.is_empty()).then(|| FormMeasure::RootMeanSquare.of(&forms, machine))
-    };
-    of(true).zip(of(false)).map(|(on_time, in_step)| on_time.min(in_step))
-}
-
-/// Returns the typical form error of a machine in step with the recordings, mm; `None` without recorded positions.
-pub fn typical_error(machine: &Machine, runs: &[Run]) -> Option<f64> {
-    let forms = forms(machine, runs, false);
-    (!forms.is_empty()).then(|| FormMeasure::Typical.of(&forms, machine))
-}
-
 /// Returns a bound of the form error, mm: the larger of a number of standard deviations of the noise and a least error
 /// (mm).
 fn floor(runs: &[Run], (times, least): (f64, f64)) -> f64 {
@@ -163,38 +148,70 @@ pub fn is_seen(error: f64, runs: &[Run]) -> bool {
     floor(runs, (UNSEEN_DEVIATIONS, UNSEEN_MM)) < error
 }
 
-/// Returns the contour deviations of the runs that have positions, with the simulated times unchanged if `on_time`,
-/// otherwise in step with the recording.
-fn forms(machine: &Machine, runs: &[Run], on_time: bool) -> Vec<ContourDeviation> {
-    let of_run = |run: &Run| {
-        let plan = run.plan(machine);
-        let comparison = crate::identification::comparison::compare(run.toolpath, &plan, run.alignment);
-        let residuals = (!on_time).then_some(&comparison.residuals[..]);
-        ContourDeviation::new(run.toolpath, &plan, run.alignment, &comparison.simulated, residuals)
-    };
-    runs.iter().filter_map(of_run).collect()
+/// The contour deviations of the runs that have positions, for the commanded motion of one machine.
+pub struct Forms {
+    /// With the simulated times unchanged.
+    on_time: Vec<ContourDeviation>,
+    /// In step with the recordings.
+    in_step: Vec<ContourDeviation>,
 }
 
-/// Returns the causes of form, at most one of each id: if `whole`, causes that explain the form error whole, with the
-/// simulated times unchanged; otherwise causes that remove much of it, in step with the recording. The result is empty
-/// if there are none.
-pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole: bool) -> Explained {
-    let forms = forms(machine, runs, whole);
-    if forms.is_empty() || Standing::of(machine) == Standing::Misses {
-        return Explained::default();
+impl Forms {
+    /// Returns the contour deviations of runs on a machine.
+    pub fn of(machine: &Machine, runs: &[Run]) -> Forms {
+        let of_run = |run: &Run| {
+            let plan = run.plan(machine);
+            let simulated = compare(run.toolpath, &plan, run.alignment);
+            let samples = ContourDeviation::samples(run.toolpath, &plan);
+            let deviation = |residuals: Option<&[f64]>| {
+                ContourDeviation::new(&samples, run.alignment, &simulated.simulated, residuals)
+            };
+            deviation(None).zip(deviation(Some(&simulated.residuals)))
+        };
+        let with_positions = runs.iter().filter(|run| run.alignment.track.is_some());
+        let (on_time, in_step) = with_positions.filter_map(of_run).unzip();
+        Forms { on_time, in_step }
     }
-    if whole {
-        let floor = floor(runs, (WHOLE_DEVIATIONS, WHOLE_MM));
-        let found = searched(FormMeasure::RootMeanSquare, machine, &forms, library, floor);
-        let is_whole = found.after <= floor && found.after <= 0.5 * found.before;
-        return if is_whole { found } else { Explained::default() };
+
+    /// Returns the RMS form error on a machine whose motion is commanded alike, mm; `None` without recorded positions.
+    pub fn error(&self, machine: &Machine) -> Option<f64> {
+        let of = |forms: &[ContourDeviation]| FormMeasure::RootMeanSquare.of(forms, machine);
+        (!self.on_time.is_empty()).then(|| of(&self.on_time).min(of(&self.in_step)))
     }
-    let floor = floor(runs, (SEARCHED_DEVIATIONS, SEARCHED_MM));
-    let found = searched(FormMeasure::RootMeanSquare, machine, &forms, library, floor);
-    if found.causes.is_empty() && machine.typical_form_error.is_some() {
-        return searched(FormMeasure::Typical, machine, &forms, library, floor);
+
+    /// Returns the typical form error in step with the recordings on a machine whose motion is commanded alike, mm; `None`
+    /// without recorded positions.
+    pub fn typical_error(&self, machine: &Machine) -> Option<f64> {
+        (!self.in_step.is_empty()).then(|| FormMeasure::Typical.of(&self.in_step, machine))
     }
-    found
+
+    /// Returns the causes of form on a machine whose motion is commanded alike, at most one of each id: if `whole`, causes
+    /// that explain the form error whole, with the simulated times unchanged; otherwise causes that remove much of it, in
+    /// step with the recording. The result is empty if there are none.
+    pub fn explained(
+        &self,
+        machine: &Machine,
+        runs: &[Run],
+        library: &[Hypothesis],
+        whole: bool,
+    ) -> Explained {
+        let forms = if whole { &self.on_time } else { &self.in_step };
+        if forms.is_empty() || Standing::of(machine) == Standing::Misses {
+            return Explained::default();
+        }
+        if whole {
+            let floor = floor(runs, (WHOLE_DEVIATIONS, WHOLE_MM));
+            let found = searched(FormMeasure::RootMeanSquare, machine, forms, library, floor);
+            let is_whole = found.after <= floor && found.after <= 0.5 * found.before;
+            return if is_whole { found } else { Explained::default() };
+        }
+        let floor = floor(runs, (SEARCHED_DEVIATIONS, SEARCHED_MM));
+        let found = searched(FormMeasure::RootMeanSquare, machine, forms, library, floor);
+        if found.causes.is_empty() && machine.typical_form_error.is_some() {
+            return searched(FormMeasure::Typical, machine, forms, library, floor);
+        }
+        found
+    }
 }
 
 /// Returns the causes that remove much of the form error. The search stops once the error is below `floor` (mm) or at

@@ -49,6 +49,7 @@ use crate::identification::calibration::calibrate;
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::diagnosis::cause::candidates;
 use crate::identification::diagnosis::evidence::with_all;
+use crate::identification::diagnosis::form::Forms;
 use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::in_time::InTime;
 use crate::identification::diagnosis::model_error::{MAX_CHANGED_SETTINGS, is_of_machine, is_worth_a_search};
@@ -149,7 +150,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     Diagnosis {
         elsewhere: *elsewhere,
         before: compared(machine, runs),
-        form: form::error(machine, runs).zip(own.form).map(|(before, after)| (before, after.1)),
+        form: Forms::of(machine, runs).error(machine).zip(own.form).map(|(before, after)| (before, after.1)),
         messages: [message.to_string()].into_iter().chain(own.messages).collect(),
         calibrated: Some(shown),
         ..own
@@ -206,7 +207,8 @@ fn diagnose_as_it_is(
     let not_excited = not_excited(&library);
     // Drives come first where they explain the form of the path whole: they also blur its times. At times as they
     // are, no time is missing then either.
-    let mut drives = form::explained(machine, runs, &library, true);
+    let forms = Forms::of(machine, runs);
+    let mut drives = forms.explained(machine, runs, &library, true);
     let start = with_all(machine, &drives.causes);
     progress(0.1);
     let is_in_time = drives.causes.is_empty();
@@ -216,14 +218,16 @@ fn diagnose_as_it_is(
     };
     let base = with_all(&start, &candidates(&in_time.read_off));
     let with_time = with_all(&base, &candidates(&in_time.named));
+    let other_forms = (with_time != *machine).then(|| Forms::of(&with_time, runs));
+    let forms_with_time = other_forms.as_ref().unwrap_or(&forms);
     // What is left of the time has moved the path as well, and a drive would only imitate that.
     if is_in_time && !model_error::leaves_much(machine, &with_time, runs, !in_time.is_empty()) {
-        drives = form::explained(&with_time, runs, &library, false);
+        drives = forms_with_time.explained(&with_time, runs, &library, false);
     }
     let fitted = with_all(&with_time, &drives.causes);
     progress(0.9);
     let (before, after) = (compared(machine, runs), compared(&fitted, runs));
-    let form = form::error(machine, runs).zip(form::error(&fitted, runs));
+    let form = forms.error(machine).zip(forms_with_time.error(&fitted));
     let mut causes = in_time.causes(&start, &drives.causes, &fitted, runs);
     causes.extend(drives.causes.iter().map(|candidate| Cause {
         candidate: candidate.clone(),

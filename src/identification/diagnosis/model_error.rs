@@ -7,9 +7,10 @@
 use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::cause::{AcceptedCause, candidates};
 use crate::identification::diagnosis::evidence::{Candidate, with_all};
+use crate::identification::diagnosis::form::Forms;
 use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::verdict::Left;
-use crate::identification::diagnosis::{MIN_LOST_TIME_S, compared, form, located, regions};
+use crate::identification::diagnosis::{MIN_LOST_TIME_S, compared, located, regions};
 use crate::identification::effects::{MIN_EXPLAINED_SHARE, Nature};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
@@ -41,10 +42,11 @@ impl ModelError {
     /// Returns the error of a machine on the runs that it was calibrated on.
     pub fn of(machine: &Machine, runs: &[Run]) -> ModelError {
         let left = Remainder::of(machine, runs);
+        let forms = Forms::of(machine, runs);
         ModelError {
             unexplained_time: left.seconds / left.recorded().max(1e-9),
-            form: form::error(machine, runs),
-            typical_form: form::typical_error(machine, runs),
+            form: forms.error(machine),
+            typical_form: forms.typical_error(machine),
         }
     }
 
