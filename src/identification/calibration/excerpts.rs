@@ -9,7 +9,6 @@
 //! Limits: a look-ahead that is longer than the margin sees less far; an event that happens once, outside of all
 //! windows and at no stop, is found only as a rest.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::identification::alignment::{Alignment, Fix, Mark, ProgramPlace};
@@ -85,13 +84,17 @@ fn of_run(run: &Run, budget: f64) -> Vec<Excerpt> {
         let half = 0.5 * WINDOW.min(whole / count);
         windows.push(at(middle - half)..at(middle + half));
     }
-    let mut kinds: BTreeMap<Option<StopKind>, Vec<usize>> = BTreeMap::new();
+    let mut kinds: Vec<(Option<StopKind>, Vec<usize>)> = Vec::new();
     for (index, mark) in marks.iter().enumerate() {
         if let ProgramPlace::Stop(stop) = mark.place {
-            kinds.entry(StopKind::of(&run.toolpath.stops[stop].cause)).or_default().push(index);
+            let kind = StopKind::of(&run.toolpath.stops[stop].cause);
+            match kinds.iter_mut().find(|(own, _)| *own == kind) {
+                Some((_, all)) => all.push(index),
+                None => kinds.push((kind, vec![index])),
+            }
         }
     }
-    for all in kinds.values() {
+    for (_, all) in &kinds {
         for index in all.iter().step_by(all.len().div_ceil(STOPS_PER_KIND)) {
             let first = index.saturating_sub(MARKS_AROUND_STOP);
             windows.push(first..(index + MARKS_AROUND_STOP).min(marks.len()));

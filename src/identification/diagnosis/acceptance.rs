@@ -15,8 +15,6 @@
 //! another axis, that fit as well, except perhaps at one place; or that fit nearly as well and have closer feedrates. A
 //! velocity limit that acts in rapids alone is also alike to an override of rapids, if no rapid rate is known.
 
-use std::collections::BTreeSet;
-
 use crate::identification::diagnosis::cause::{AcceptedCause, UNSURE, odds};
 use crate::identification::diagnosis::evidence::{Looked, assumed, with_all};
 use crate::identification::diagnosis::gates::{self, HeldOut};
@@ -123,7 +121,7 @@ pub fn passed(
     let dispersion = last.dispersion(&with);
     let alike = alike(&last, base, current, (&candidate, &with), (gain, dispersion), rest);
     let confidence = held_out.as_ref().map_or(1.0, HeldOut::share) / (1.0 + alike.len() as f64);
-    let found = AcceptedCause { candidate, alike: alike.into_iter().collect(), held_out, confidence };
+    let found = AcceptedCause { candidate, alike, held_out, confidence };
     (UNSURE <= confidence * odds(gain / dispersion, price)).then_some((found, others))
 }
 
@@ -136,7 +134,7 @@ fn alike(
     (candidate, with): (&Candidate, &Machine),
     (gain, dispersion): (f64, f64),
     rest: &[(Candidate, Vec<Candidate>)],
-) -> BTreeSet<String> {
+) -> Vec<String> {
     // The noise decides the last digits of the others too, so they are fitted once more.
     let is_alike = |(other, others): &&(Candidate, Vec<Candidate>)| {
         let (other, others) = last.refined(base, other, others);
@@ -161,7 +159,10 @@ fn alike(
     let alike = rivals.filter(is_alike).map(|(other, _)| id_beside(&other.hypothesis, &candidate.hypothesis));
     let of_rapids =
         is_like_override_of_rapids(candidate, current, with, last.runs).then(|| RAPID_OVERRIDE.id_on(None));
-    alike.chain(of_rapids).collect()
+    let mut alike: Vec<String> = alike.chain(of_rapids).collect();
+    alike.sort();
+    alike.dedup();
+    alike
 }
 
 /// Returns `true` unless a candidate is a wait at words of a PLC that the cycles of the PLC may explain by chance; `seconds`

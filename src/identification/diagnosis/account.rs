@@ -32,8 +32,6 @@
 //! Unexplained times of different regions may cancel. `unexplained_sum` adds up their sizes region by region, so it is
 //! never less than the size of `unexplained`.
 
-use std::collections::BTreeMap;
-
 use crate::identification::alignment::{ProgramPlace, times};
 use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::evidence::{Candidate, with_all};
@@ -165,8 +163,14 @@ struct Shares {
 /// Returns the shares of `causes` causes. `times` returns the times of the runs with some of the causes, given by their
 /// indices in ascending order; it is called once for each set.
 fn shares(causes: usize, times: impl Fn(&[usize]) -> Vec<f64>) -> Shares {
-    let mut known: BTreeMap<Vec<usize>, Vec<f64>> = BTreeMap::new();
-    let mut of = |set: &[usize]| known.entry(set.to_vec()).or_insert_with(|| times(set)).clone();
+    let mut known: Vec<(Vec<usize>, Vec<f64>)> = Vec::new();
+    let mut of = |set: &[usize]| {
+        if let Some((_, found)) = known.iter().find(|(own, _)| own == set) {
+            return found.clone();
+        }
+        known.push((set.to_vec(), times(set)));
+        known[known.len() - 1].1.clone()
+    };
     let without = of(&[]);
     let with = of(&(0..causes).collect::<Vec<usize>>());
     let mut each = vec![vec![0.0; without.len()]; causes];

@@ -1,6 +1,5 @@
 //! Regions in which simulation and recording differ: visits that lost time, joined to ranges of lines.
 
-use std::collections::BTreeSet;
 use std::ops::Range;
 
 use crate::identification::alignment::{Alignment, ProgramPlace, median, times, visits};
@@ -135,9 +134,11 @@ pub fn acts_on(without: &Machine, with: &Machine, runs: &[Run]) -> Vec<(u32, u32
         nearly_all <= sum
     });
     let least = least.unwrap_or(0.0).min(MIN_TIME_CHANGE_S);
-    let mut lines: BTreeSet<u32> =
+    let mut lines: Vec<u32> =
         each.iter().filter(|(_, lost)| *lost != 0.0 && least <= lost.abs()).map(|(line, _)| *line).collect();
     lines.extend(runs.iter().flat_map(|run| switched(without, with, run)));
+    sort_by_number(&mut lines, |line| f64::from(*line));
+    lines.dedup();
     ranges(lines.into_iter())
 }
 
@@ -175,12 +176,8 @@ pub fn moved(without: &Machine, with: &Machine, runs: &[Run]) -> (f64, f64) {
 
 /// Returns the range from the first to the last line that moves or waits; empty if no line does.
 pub fn all_lines(runs: &[Run]) -> Vec<(u32, u32)> {
-    let lines: BTreeSet<u32> =
-        runs.iter().flat_map(|run| visits(run.toolpath)).map(|visit| visit.line.0).collect();
-    match (lines.first(), lines.last()) {
-        (Some(first), Some(last)) => vec![(*first, *last)],
-        _ => Vec::new(),
-    }
+    let lines = || runs.iter().flat_map(|run| visits(run.toolpath)).map(|visit| visit.line.0);
+    lines().min().zip(lines().max()).into_iter().collect()
 }
 
 /// Joins ascending lines to ranges of consecutive lines.

@@ -187,8 +187,8 @@ fn gaps(runs: &[Run]) -> Vec<(f64, f64)> {
 fn companions(runs: &[Run]) -> BTreeMap<StopKind, BTreeSet<StopKind>> {
     let mut all: BTreeMap<StopKind, BTreeSet<StopKind>> = BTreeMap::new();
     for run in runs {
-        // The stops after which a mark tells them from the next one.
-        let told: BTreeSet<usize> = (run.alignment.marks.iter())
+        // The stops after which a mark tells them from the next one, in ascending order as the marks.
+        let told: Vec<usize> = (run.alignment.marks.iter())
             .filter_map(|mark| match mark.place {
                 ProgramPlace::After(stop) => Some(stop),
                 ProgramPlace::Stop(stop) => stop.checked_sub(1),
@@ -196,7 +196,7 @@ fn companions(runs: &[Run]) -> BTreeMap<StopKind, BTreeSet<StopKind>> {
             })
             .collect();
         let stops: Vec<(usize, &Stop)> = run.toolpath.stops.iter().enumerate().collect();
-        for group in stops.chunk_by(|a, b| a.1.after == b.1.after && !told.contains(&a.0)) {
+        for group in stops.chunk_by(|a, b| a.1.after == b.1.after && told.binary_search(&a.0).is_err()) {
             let kinds: BTreeSet<StopKind> =
                 group.iter().filter_map(|(_, stop)| StopKind::of(&stop.cause)).collect();
             for kind in &kinds {

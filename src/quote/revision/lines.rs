@@ -10,6 +10,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
 use crate::simulation::gcode::lines;
+use crate::simulation::ordered::sort_by_number;
 
 /// Consecutive lines of both texts, from 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +29,8 @@ pub fn runs(first: &[u8], second: &[u8]) -> (Vec<LineRun>, [usize; 2]) {
     while let Some([one, other]) = open.pop() {
         compare(&texts, one, other, &mut pairs, &mut open);
     }
-    pairs.sort_unstable();
+    // Each line of the first text has at most one partner.
+    sort_by_number(&mut pairs, |(first, _)| *first as f64);
     (joined(&pairs, [texts[0].len(), texts[1].len()]), [texts[0].len(), texts[1].len()])
 }
 

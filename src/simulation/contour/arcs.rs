@@ -15,6 +15,7 @@ use std::ops::Range;
 
 use crate::simulation::contour::nearest::{distance_from_segment, nearest};
 use crate::simulation::feed::{Pulse, Pulses, RestToRest};
+use crate::simulation::ordered::sort_by_number;
 use crate::simulation::profile::{MotionState, RememberedSteps};
 use crate::simulation::toolpath::{Arc, Point, Segment, Toolpath};
 
@@ -83,7 +84,7 @@ impl MeasuredArc<'_> {
                 }
             }
         }
-        points.sort_unstable_by(|a, b| b.likely.total_cmp(&a.likely));
+        sort_by_number(&mut points, |point| -point.likely);
         points
     }
 
