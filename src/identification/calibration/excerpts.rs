@@ -84,18 +84,21 @@ fn of_run(run: &Run, budget: f64) -> Vec<Excerpt> {
         let half = 0.5 * WINDOW.min(whole / count);
         windows.push(at(middle - half)..at(middle + half));
     }
+    let Toolpath { stops, .. } = run.toolpath;
     let mut kinds: Vec<(Option<StopKind>, Vec<usize>)> = Vec::new();
-    for (index, mark) in marks.iter().enumerate() {
-        if let ProgramPlace::Stop(stop) = mark.place {
-            let kind = StopKind::of(&run.toolpath.stops[stop].cause);
-            match kinds.iter_mut().find(|(own, _)| *own == kind) {
-                Some((_, all)) => all.push(index),
-                None => kinds.push((kind, vec![index])),
-            }
+    for (stop, kind) in stops.iter().map(|stop| StopKind::of(&stop.cause)).enumerate() {
+        match kinds.iter_mut().find(|(own, _)| *own == kind) {
+            Some((_, all)) => all.push(stop),
+            None => kinds.push((kind, vec![stop])),
         }
     }
+    let distances = run.toolpath.distances();
+    let distance = |place: ProgramPlace| place.distance(run.toolpath, &distances);
     for (_, all) in &kinds {
-        for index in all.iter().step_by(all.len().div_ceil(STOPS_PER_KIND)) {
+        for stop in all.iter().step_by(all.len().div_ceil(STOPS_PER_KIND)) {
+            let there = distance(ProgramPlace::Stop(*stop));
+            // A recording of positions has no mark at the stop itself.
+            let index = marks.partition_point(|mark| distance(mark.place) < there);
             let first = index.saturating_sub(MARKS_AROUND_STOP);
             windows.push(first..(index + MARKS_AROUND_STOP).min(marks.len()));
         }
@@ -204,4 +207,37 @@ fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
         marks,
     };
     Some(Excerpt { toolpath: part, alignment, overrides: *overrides })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::alignment::Method;
+    use crate::machine::Machine;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+
+    /// A recording of positions has marks along the path alone; the tool change at 61 % of it lies between two evenly spread
+    /// windows.
+    #[test]
+    fn a_stop_of_each_kind_has_a_window_in_a_recording_of_positions() {
+        let legs = |count: usize| "X10\nX0\n".repeat(count);
+        let program = format!("G1 F600\n{}T2 M6\n{}M30\n", legs(305), legs(195));
+        let toolpath = trace(&read(program.as_bytes()), &Machine::default());
+        let mark = |at: u32| Mark {
+            place: ProgramPlace::Along(5.0 * f64::from(at)),
+            time: 0.5 * f64::from(at),
+            deviation: 1e-3,
+        };
+        let marks: Vec<Mark> = (0..2000).map(mark).collect();
+        let alignment = Alignment::of_marks(Method::Positions, 0.0..1000.0, marks, 10_000.0);
+        let run = Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) };
+        let found = excerpts(&[run], CALIBRATION_WINDOWS_S).expect("the run is long");
+        let is_change = |stop: &Stop| StopKind::of(&stop.cause) == Some(StopKind::ToolChange);
+        let with_change = found[0].iter().filter(|own| own.toolpath.stops.iter().any(is_change));
+        let [excerpt] = &with_change.collect::<Vec<_>>()[..] else {
+            panic!("one excerpt has the tool change")
+        };
+        assert!(excerpt.time().contains(&610.0), "{:?}", excerpt.time());
+    }
 }

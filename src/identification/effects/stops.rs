@@ -222,5 +222,20 @@ fn wait(effect: Effect, kind: StopKind, believed: f64, line: u32, others: Vec<St
         all
     };
     let trials = LONGER_S.iter().map(|seconds| believed + seconds).collect();
-    Hypothesis::single(effect, kind.freed(believed), trials, report).variant(kind.word()).answering(plc_words)
+    Hypothesis::single(effect, freed(kind, believed), trials, report).variant(kind.word()).answering(plc_words)
+}
+
+/// Returns the wait at a kind of stop as a free parameter, which begins with `believed` (s). What makes tool changes longer
+/// makes the first one longer by as much.
+fn freed(kind: StopKind, believed: f64) -> FreeParameter {
+    let freed = kind.freed(believed);
+    if kind != StopKind::ToolChange {
+        return freed;
+    }
+    freed.with(|machine, seconds| {
+        let times = &mut machine.times;
+        let longer = seconds - times.tool_change;
+        times.tool_change = seconds;
+        times.first_tool_change = times.first_tool_change.map(|first| (first + longer).max(0.0));
+    })
 }
