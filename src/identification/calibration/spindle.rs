@@ -89,15 +89,14 @@ fn awaiting(found: &Machine, runs: &[Run]) -> (Vec<u32>, Vec<Waited>) {
             all.append(since);
         };
         for visit in &comparison.lost {
-            let kinds: Vec<_> = (run.toolpath.stops[visit.stops.clone()].iter())
-                .filter_map(|stop| StopKind::of(&stop.cause).map(|kind| (kind, &stop.cause)))
-                .collect();
-            let [(kind, cause)] = kinds[..] else { continue };
+            let causes = run.toolpath.stops[visit.stops.clone()].iter().map(|stop| &stop.cause);
+            let of_words: Vec<&StopCause> = causes.filter(|cause| cause.m_code().is_some()).collect();
+            let [cause] = of_words[..] else { continue };
             let signed = |spin: &SpindleState| spin.signed_speed();
             if let StopCause::Spindle { from, to, .. } = cause {
                 close(&mut since);
                 change = Some([signed(from), signed(to)]);
-            } else if let (StopKind::MWord(code), Some(speeds)) = (kind, change) {
+            } else if let (Some(kind @ StopKind::MWord(code)), Some(speeds)) = (StopKind::of(cause), change) {
                 let seconds = kind.value(found) + visit.seconds();
                 since.push(Waited { code, speeds, seconds });
             }

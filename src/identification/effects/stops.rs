@@ -222,7 +222,9 @@ fn wait(effect: Effect, kind: StopKind, believed: f64, line: u32, others: Vec<St
         all
     };
     let trials = LONGER_S.iter().map(|seconds| believed + seconds).collect();
-    Hypothesis::single(effect, freed(kind, believed), trials, report).variant(kind.word()).answering(plc_words)
+    Hypothesis::single(effect, freed(kind, believed), trials, report)
+        .variant(kind.word())
+        .answering(plc_words)
 }
 
 /// Returns the wait at a kind of stop as a free parameter, which begins with `believed` (s). What makes tool changes longer
@@ -238,4 +240,26 @@ fn freed(kind: StopKind, believed: f64) -> FreeParameter {
         times.tool_change = seconds;
         times.first_tool_change = times.first_tool_change.map(|first| (first + longer).max(0.0));
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::Machine;
+
+    #[test]
+    fn longer_tool_changes_make_the_first_one_longer_by_as_much() {
+        let mut machine = Machine::default();
+        machine.times.tool_change = 4.0;
+        machine.times.first_tool_change = Some(1.0);
+        let longer = freed(StopKind::ToolChange, 4.0);
+        longer.apply(&mut machine, 6.5);
+        assert_eq!((machine.times.tool_change, machine.times.first_tool_change), (6.5, Some(3.5)));
+        // The same value once more changes nothing.
+        longer.apply(&mut machine, 6.5);
+        assert_eq!(machine.times.first_tool_change, Some(3.5));
+        machine.times.first_tool_change = None;
+        longer.apply(&mut machine, 7.0);
+        assert_eq!(machine.times.first_tool_change, None);
+    }
 }

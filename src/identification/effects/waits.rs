@@ -14,7 +14,7 @@ pub enum StopKind {
     ToolChange,
     /// First M6 of a program that has others.
     FirstToolChange,
-    /// Start of the spindle, or a change of its direction or of its speed by an M-word.
+    /// Start of the spindle, or a change of its direction.
     SpindleStart,
     /// Stop of the spindle.
     SpindleStop,
@@ -30,6 +30,7 @@ impl StopKind {
             StopCause::MCode { .. } => StopKind::MWord(code),
             StopCause::ToolChange { .. } => StopKind::ToolChange,
             StopCause::Spindle { to, .. } if to.is_at_rest() => StopKind::SpindleStop,
+            StopCause::Spindle { from, to, .. } if from.direction == to.direction => return None,
             _ => StopKind::SpindleStart,
         })
     }
@@ -80,5 +81,22 @@ impl StopKind {
     /// Returns its time as a free parameter that begins with `start` (s).
     pub fn freed(self, start: f64) -> FreeParameter {
         FreeParameter::wait(self.handle(), start, (0.0, LONGEST_WAIT_S)).linear()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+
+    #[test]
+    fn a_word_that_changes_the_speed_alone_takes_no_start() {
+        let program = b"G1 X1 F600\nS5000 M3\nX2\nS8000 M3\nX3\nM4\nX4\nM5\nX5\n";
+        let toolpath = trace(&read(program), &Machine::default());
+        let kinds: Vec<_> = toolpath.stops.iter().map(|stop| StopKind::of(&stop.cause)).collect();
+        let [start, speed, direction, stop] = kinds[..] else { panic!("{kinds:?}") };
+        assert_eq!([start, direction], [Some(StopKind::SpindleStart); 2]);
+        assert_eq!([speed, stop], [None, Some(StopKind::SpindleStop)]);
     }
 }
