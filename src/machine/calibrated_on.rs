@@ -68,6 +68,9 @@ pub struct CalibratedOn {
     /// [`CHORD_ERROR_RATIOS`](crate::machine::CHORD_ERROR_RATIOS) at which the runs would have been the same; empty if the runs
     /// determine the chords, or if arcs have none.
     pub other_chord_ratios: Vec<f64>,
+    /// The only programmed feedrate that the rapids of the runs hold, mm/s, which may be their rate by coincidence; `None` if they
+    /// hold several or none.
+    pub only_rapid_feedrate: Option<f64>,
     /// `true` for each of the axes X, Y, Z that the runs do not show at its full rapid feedrate.
     pub assumed_rapids: [bool; 3],
     /// M-words that stop the motion in the programs, 3 and 5 for any word that starts or stops the spindle, and 30 for

@@ -215,6 +215,8 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     last.machine.calibrated_on.largest_override = largest_override;
     last.machine.calibrated_on.other_chord_ratios = other_chord_ratios;
     last.machine.calibrated_on.assumed_rapids = assumed_rapids;
+    last.machine.calibrated_on.only_rapid_feedrate =
+        fitting.plateaus.and_then(|seen| seen.feedrates.only_one());
     let after = compared(&last.machine, runs);
     let programmed = Tolerances::Programmed;
     let results = before.into_iter().zip(after).zip(runs).map(|((before, after), run)| {

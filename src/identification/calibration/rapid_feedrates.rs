@@ -1,8 +1,11 @@
 //! The feedrate at which a control runs rapids: the programmed one, F, as in feed moves, or separate rates.
 //!
 //! Klipper and Marlin have no rapid: their G0 is G1. A rapid that holds F times the feed override, to the part
-//! [`MAX_VELOCITY_DIFFERENCE_RATIO`], may be at its rate by coincidence. Rapids at two different F that hold theirs do not, and a
-//! rapid that is faster than its F contradicts. A rapid that is slower says nothing: a limit or its ramps held it back.
+//! [`MAX_VELOCITY_DIFFERENCE_RATIO`], may be at its rate by coincidence, if a post-processor writes the rate of the machine as F.
+//! Rapids at two different F that hold theirs do not, and a rapid that is faster than its F contradicts. A rapid that is slower
+//! says nothing: a limit or its ramps held it back. A control with rates of its own mostly runs rapids at the last F of the
+//! cut before, which is lower. So of one F that rapids hold, they more likely run at it; the range of other programs has
+//! room for both.
 //!
 //! Limits: a feed override that the recording does not state counts as 1.
 
@@ -18,7 +21,9 @@ pub enum RapidFeedrates {
     Programmed,
     /// They run at separate rates.
     Separate,
-    /// Both are possible.
+    /// All hold this one (mm/s), which may be their rate by coincidence.
+    OnlyOne(f64),
+    /// Nothing shows it.
     #[default]
     Untold,
 }
@@ -35,13 +40,27 @@ impl RapidFeedrates {
         let feedrates = held.map(|rapid| rapid.feedrate);
         let [least, largest] =
             feedrates.fold([f64::INFINITY, 0.0], |[least, largest], own| [least.min(own), largest.max(own)]);
-        if MIN_FEEDRATE_RATIO * least < largest { RapidFeedrates::Programmed } else { RapidFeedrates::Untold }
+        if MIN_FEEDRATE_RATIO * least < largest {
+            RapidFeedrates::Programmed
+        } else if 0.0 < largest {
+            RapidFeedrates::OnlyOne(largest)
+        } else {
+            RapidFeedrates::Untold
+        }
+    }
+
+    /// Returns the only feedrate that the rapids hold, mm/s; `None` if they hold several or none.
+    pub fn only_one(self) -> Option<f64> {
+        match self {
+            RapidFeedrates::OnlyOne(feedrate) => Some(feedrate),
+            _ => None,
+        }
     }
 
     /// Returns `true` if rapids run at the programmed feedrate; `untold` if they do not say so.
     pub fn are_programmed(self, untold: bool) -> bool {
         match self {
-            RapidFeedrates::Programmed => true,
+            RapidFeedrates::Programmed | RapidFeedrates::OnlyOne(_) => true,
             RapidFeedrates::Separate => false,
             RapidFeedrates::Untold => untold,
         }
@@ -73,8 +92,8 @@ mod tests {
         assert_eq!(of(&[(20.0, 20.02), (50.0, 49.9)]), RapidFeedrates::Programmed);
         // An axis may hold back the faster one.
         assert_eq!(of(&[(20.0, 20.0), (50.0, 50.0), (90.0, 60.0)]), RapidFeedrates::Programmed);
-        assert_eq!(of(&[(20.0, 20.0), (50.0, 40.0)]), RapidFeedrates::Untold);
-        assert_eq!(of(&[(50.0, 50.0), (50.0, 50.0)]), RapidFeedrates::Untold);
+        assert_eq!(of(&[(20.0, 20.0), (50.0, 40.0)]), RapidFeedrates::OnlyOne(20.0));
+        assert_eq!(of(&[(50.0, 50.0), (50.0, 50.0)]).only_one(), Some(50.0));
         assert_eq!(of(&[(f64::INFINITY, 50.0)]), RapidFeedrates::Untold);
         assert_eq!(of(&[]), RapidFeedrates::Untold);
     }

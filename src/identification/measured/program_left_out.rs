@@ -49,6 +49,7 @@ pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f
         acceleration_deviations: machine.calibrated_on.acceleration_deviations,
         largest_override: machine.calibrated_on.largest_override,
         other_chord_ratios: machine.calibrated_on.other_chord_ratios.clone(),
+        only_rapid_feedrate: machine.calibrated_on.only_rapid_feedrate,
         assumed_rapids: machine.calibrated_on.assumed_rapids,
         ..features_of(runs.iter().map(|run| run.toolpath))
     }

@@ -20,7 +20,7 @@ fn numbers_of(axes: [bool; 3]) -> Option<Vec<f64>> {
 }
 
 /// The rows, in the order of forms and files; an edit of the motion clears them.
-pub const CALIBRATED: [Parameter; 21] = [
+pub const CALIBRATED: [Parameter; 22] = [
     row!("calibration.cycle_time_error_percent", "Error of the cycle time", optional Percent (0.0, 100.0) [cycle_time_error],
         "By how much the cycle time was off when these numbers were calibrated; the uncertainty of a quote. Empty: unknown. Editing the motion empties it."),
     row!("calibration.unexplained_percent", "Time left unexplained", optional Percent (0.0, 1000.0) [unexplained_time],
@@ -86,6 +86,8 @@ pub const CALIBRATED: [Parameter; 21] = [
         ),
         "Distances between arcs and their chords that the calibrating runs allow as well as that of this machine, in per cent of it. Programs that other chords would slow are less certain. Empty: the runs determine the chords, or arcs have none."
     ),
+    row!("calibration.only_rapid_feed_mm_min", "Only F of rapids", optional MillimetrePerMinute (0.001, 1e6) [calibrated_on.only_rapid_feedrate],
+        "Only programmed feedrate that the rapids of the calibrating runs hold. It may be their rate by coincidence, so programs that differ with rapids at this rate are less certain. Empty: the rapids hold several feedrates or none."),
     row!(
         "calibration.assumed_rapids",
         "Assumed rapids",

@@ -5,7 +5,7 @@ use crate::project::TextFault;
 use crate::units::Unit;
 
 /// Keys of a machine's calibration: its errors and programs.
-pub const CALIBRATION_KEYS: [&str; 21] = [
+pub const CALIBRATION_KEYS: [&str; 22] = [
     "calibration.cycle_time_error_percent",
     "calibration.unexplained_percent",
     "calibration.form_error_mm",
@@ -24,6 +24,7 @@ pub const CALIBRATION_KEYS: [&str; 21] = [
     "calibration.acceleration_deviations_percent",
     "calibration.largest_override_percent",
     "calibration.other_chords_percent",
+    "calibration.only_rapid_feed_mm_min",
     "calibration.assumed_rapids",
     "calibration.m_codes",
     "calibration.tolerances_mm",

@@ -27,7 +27,7 @@
 //! If the runs do not show for which override the control plans its corners, the largest one that they allow may make the
 //! corners of a program faster; and an acceleration that the calibration assumed may be [`ASSUMED_ACCELERATION_RATIO`]
 //! times as high, or as low as the runs allow. If no run has an arc, or none whose chords would slow it if they were longer or
-//! shorter, the chords may be so ([`CHORD_ERROR_RATIOS`]). Then the differences between these cycle times add to the range.
+//! shorter, the chords may be so ([`CHORD_ERROR_RATIOS`]). If all rapids of the runs hold one F, that may be their rate. Then the differences between these cycle times add to the range.
 //!
 //! A feed is faster if it moves an axis faster than any move of the runs, feed or rapid: if the runs recorded
 //! positions, an axis can cut as fast as it moved in rapid. A rapid is faster if an axis whose full rapid
@@ -109,6 +109,8 @@ pub enum UnshownFeature {
     RoughAccelerations,
     /// Faster rapids.
     Rapids,
+    /// Rapids at programmed feedrates.
+    RapidFeedrates,
     /// M-words.
     MWords,
     /// Ramps by another law.
@@ -117,7 +119,7 @@ pub enum UnshownFeature {
 
 impl UnshownFeature {
     /// All features.
-    pub const ALL: [UnshownFeature; 10] = [
+    pub const ALL: [UnshownFeature; 11] = [
         UnshownFeature::Corners,
         UnshownFeature::Arcs,
         UnshownFeature::Blocks,
@@ -126,6 +128,7 @@ impl UnshownFeature {
         UnshownFeature::Accelerations,
         UnshownFeature::RoughAccelerations,
         UnshownFeature::Rapids,
+        UnshownFeature::RapidFeedrates,
         UnshownFeature::MWords,
         UnshownFeature::Ramps,
     ];
@@ -149,6 +152,7 @@ impl UnshownFeature {
             UnshownFeature::Accelerations => "ramps at accelerations that the calibration had to assume",
             UnshownFeature::RoughAccelerations => "ramps at accelerations that the calibration shows roughly",
             UnshownFeature::Rapids => "faster rapids",
+            UnshownFeature::RapidFeedrates => "rapids, which may run at F or at a rate",
             UnshownFeature::MWords => "M words such as a tool change",
             UnshownFeature::Ramps => "ramps, which this machine runs by another law than its file",
         }
@@ -359,7 +363,8 @@ fn unshown_corners(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts
     Unshown { feature: UnshownFeature::Corners, lasts: lasts_at_corners, error, whole: Whole::Programmed }
 }
 
-/// Returns by how much the time of a program would change at other overrides, accelerations and chords that the runs allow.
+/// Returns by how much the time of a program would change at other overrides, accelerations, chords and feedrates of rapids that
+/// the runs allow.
 fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshown> {
     let on = &machine.calibrated_on;
     let planned_for = |max_override: f64| {
@@ -385,7 +390,16 @@ fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshow
         true => [1.0 / ASSUMED_ACCELERATION_RATIO, ASSUMED_ACCELERATION_RATIO].map(accelerating).to_vec(),
         false => Vec::new(),
     };
-    if overrides.is_empty() && accelerations.is_empty() && chords.is_empty() {
+    let at_rate = |feedrate: f64| {
+        let mut other = machine.clone();
+        other.rapid.at_feedrate = false;
+        other.rapid.feedrate = other.rapid.feedrate.min(feedrate);
+        other
+    };
+    let has_rapid = toolpath.segments.iter().any(|segment| segment.motion.is_rapid());
+    let at_feedrate = on.only_rapid_feedrate.filter(|_| machine.rapid.at_feedrate && has_rapid);
+    let rapids: Vec<Machine> = at_feedrate.map(at_rate).into_iter().collect();
+    if overrides.is_empty() && accelerations.is_empty() && chords.is_empty() && rapids.is_empty() {
         return Vec::new();
     }
     let time = |machine: &Machine| simulate(toolpath, machine).cycle_time();
@@ -398,6 +412,7 @@ fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshow
         unshown(UnshownFeature::Overrides, overrides),
         unshown(UnshownFeature::Accelerations, accelerations),
         unshown(UnshownFeature::Arcs, chords),
+        unshown(UnshownFeature::RapidFeedrates, rapids),
     ]
 }
 

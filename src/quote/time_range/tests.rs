@@ -194,3 +194,25 @@ fn the_range_reaches_to_full_stops_if_the_runs_show_no_corner() {
     assert!(0.1 * uniform < of_stops, "{of_stops} s");
     assert!(of_stops <= unknown * uniform, "{of_stops} s beyond ±{} %", 100.0 * unknown);
 }
+
+/// All rapids of the runs held F3000. No run shows a rapid at another F.
+#[test]
+fn the_range_reaches_to_rapids_at_the_only_feedrate_that_runs_show() {
+    let mut machine = planner(Planner::JunctionDeviation, 400.0);
+    machine.rapid.at_feedrate = true;
+    let program = path("G21 G90\nG1 X40 F1500\nG0 X0 F1000\nG1 X20 F1500\n");
+    let known = CalibratedOn { range: Some(0.02), ..features_of([&program]) };
+    let only_one = CalibratedOn { only_rapid_feedrate: Some(50.0), ..known.clone() };
+    let [known, only_one] = [known, only_one]
+        .map(|calibrated_on| range_of(&program, &Machine { calibrated_on, ..machine.clone() }));
+    assert_eq!(known.ratio, 0.02);
+    let [(feature, ratio)] = only_one.unshown[..] else { panic!("{only_one:?}") };
+    assert_eq!(feature, UnshownFeature::RapidFeedrates);
+    let time = |machine: &Machine| simulate(&program, machine).cycle_time();
+    let usual = time(&machine);
+    machine.rapid.at_feedrate = false;
+    machine.rapid.feedrate = 50.0;
+    let longer = (usual - time(&machine)) / usual;
+    assert!((longer - ratio).abs() < 1e-9 && (0.02 + longer - only_one.ratio).abs() < 1e-9, "{only_one:?}");
+    assert!(0.2 < longer, "{longer}");
+}
