@@ -88,8 +88,11 @@ impl<'a> Fitting<'a> {
     }
 
     /// Returns the model that is nearest to excerpts of the runs, fitted to the whole runs, and the cost of each order of
-    /// filters tried.
-    pub fn model_of_parts(&mut self, parts: &'a [Run<'a>], guess: &Machine) -> (Model, Vec<(usize, f64)>) {
+    /// filters tried. Without excerpts it is the one that is nearest to the whole runs.
+    pub fn model_by_parts(&mut self, parts: &'a [Run<'a>], guess: &Machine) -> (Model, Vec<(usize, f64)>) {
+        if parts.is_empty() {
+            return self.model(guess);
+        }
         (self.runs, self.in_parts) = (parts, true);
         let (Model { best, order, .. }, orders) = self.model(guess);
         (self.runs, self.in_parts) = (self.whole, false);
@@ -104,7 +107,7 @@ impl<'a> Fitting<'a> {
     }
 
     /// Returns the model that is nearest to the runs, and the cost of each order of filters tried.
-    pub fn model(&mut self, guess: &Machine) -> (Model, Vec<(usize, f64)>) {
+    fn model(&mut self, guess: &Machine) -> (Model, Vec<(usize, f64)>) {
         let shows_ramps = self.machine.has_filters() && self.runs.iter().any(|run| polled(run).is_none());
         let (mut model, orders) = self.filters(guess, shows_ramps);
         // A planner has no use for the laws of filters.

@@ -2,9 +2,10 @@
 //!
 //! The time of a simulation grows with the length of the program, and both need hundreds of simulations. Of a run longer
 //! than [`LONG_RUN_S`] or [`LONG_RUN_SEGMENTS`] they therefore see only windows of [`WINDOW`] s, evenly spread and
-//! [`CALIBRATION_WINDOWS_S`] or [`DIAGNOSIS_WINDOWS_S`] long in all, and windows of a few marks around [`STOPS_PER_KIND`] stops of each kind. Each window becomes a separate program with the marks in it. Up to [`MARGIN_SEGMENTS`] moves before and after
+//! [`CALIBRATION_WINDOWS_S`] or [`DIAGNOSIS_WINDOWS_S`] long in all, and windows of a few marks around [`STOPS_PER_KIND`] stops
+//! of each kind. Each window becomes a separate program with the marks in it. Up to [`MARGIN_SEGMENTS`] moves before and after
 //! the window are simulated and not compared, as the motion depends on nothing farther away than a filter delay, a ramp
-//! or a full stop. What was found is fitted and judged on the whole run.
+//! or a full stop. The model is then fitted to the whole run, and the causes are judged on it.
 //!
 //! Limits: a look-ahead that is longer than the margin sees less far; an event that happens once, outside of all
 //! windows and at no stop, is found only as a rest.
@@ -24,7 +25,7 @@ const LONG_RUN_SEGMENTS: usize = 8_000;
 /// Duration of the evenly spread windows of all runs together that a calibration sees, s: single operations of 20 to 110 s show
 /// the model of a control.
 pub const CALIBRATION_WINDOWS_S: f64 = 90.0;
-/// The same for a diagnosis, whose causes may act at a few places only, s.
+/// Duration of those that a diagnosis sees, s: a cause may act at a few places only.
 pub const DIAGNOSIS_WINDOWS_S: f64 = 180.0;
 /// Length of a window, s.
 const WINDOW: f64 = 7.5;

@@ -157,12 +157,10 @@ impl Calibration {
 /// Calibrates a machine by runs on it. `progress` is called with the completed fraction, 0 to 1.
 pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Calibration {
     let before = compared(machine, runs);
-    let long =
-        runs.iter().all(|run| polled(run).is_none()).then(|| excerpts(runs, CALIBRATION_WINDOWS_S)).flatten();
-    let parts: Vec<Run> = long.iter().flatten().flatten().map(Excerpt::run).collect();
+    let excerpts = excerpts_for_choice(runs);
+    let parts: Vec<Run> = excerpts.iter().map(Excerpt::run).collect();
     let (mut fitting, guess) = Fitting::new(machine, runs, &before, progress);
-    let (model, orders) =
-        if parts.is_empty() { fitting.model(&guess) } else { fitting.model_of_parts(&parts, &guess) };
+    let (model, orders) = fitting.model_by_parts(&parts, &guess);
     let judgement = fitting.judgement(&model);
     let Model { whitenings, .. } = model;
     let mut fit = |machine: &Machine, parameters: &[(FreeParameter, f64)]| {
@@ -236,6 +234,14 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         converged: last.converged,
         machine: last.machine,
     }
+}
+
+/// Returns the excerpts by which the model of the control is chosen; empty if no run is long, or if a log of polls shows too
+/// little in a window.
+fn excerpts_for_choice(runs: &[Run]) -> Vec<Excerpt> {
+    let is_polled = runs.iter().any(|run| polled(run).is_some());
+    let of_runs = if is_polled { None } else { excerpts(runs, CALIBRATION_WINDOWS_S) };
+    of_runs.into_iter().flatten().flatten().collect()
 }
 
 /// Returns the comparisons of the runs with a machine.

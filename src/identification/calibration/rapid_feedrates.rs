@@ -3,9 +3,9 @@
 //! Klipper and Marlin have no rapid: their G0 is G1. A rapid that holds F times the feed override, to the part
 //! [`MAX_VELOCITY_DIFFERENCE_RATIO`], may be at its rate by coincidence, if a post-processor writes the rate of the machine as F.
 //! Rapids at two different F that hold theirs do not, and a rapid that is faster than its F contradicts. A rapid that is slower
-//! says nothing: a limit or its ramps held it back. A control with rates of its own mostly runs rapids at the last F of the
-//! cut before, which is lower. So of one F that rapids hold, they more likely run at it; the range of other programs has
-//! room for both.
+//! says nothing: a limit or its ramps held it back. Programs for a control with separate rates mostly leave F out of rapids,
+//! and the F of the cut before is lower. If rapids hold one F, they therefore more likely run at it; the range of other
+//! programs has room for both.
 //!
 //! Limits: a feed override that the recording does not state counts as 1.
 

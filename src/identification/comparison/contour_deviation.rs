@@ -28,11 +28,13 @@ const MEDIAN_REACH_S: f64 = 1.0;
 /// Number of windows of a long recording, and the duration of each, s.
 const WINDOWS: usize = 24;
 const WINDOW_S: f64 = 2.0;
-/// Time before and after a window for which the profile keeps all rows, s: drives settle before it, and delays are shorter.
-const MARGINS_S: (f64, f64) = (5.0, 1.0);
+/// Time before a window for which the profile keeps all rows, s: drives settle in it.
+const MARGIN_BEFORE_S: f64 = 5.0;
+/// Time after a window for which the profile keeps all rows, s: delays are shorter.
+const MARGIN_AFTER_S: f64 = 1.0;
 /// Least ratio of the duration of a recording to that of the windows with their margins.
 const MIN_LONG_RATIO: f64 = 1.5;
-/// Velocity of an axis in rows far from any window, as a part of its own: it keeps its sign, and the cubic between such rows
+/// Ratio by which the velocity of an axis is lower in rows far from any window: it keeps its sign, and the cubic between such rows
 /// does not overshoot.
 const DISTANT_VELOCITY_RATIO: f64 = 1e-9;
 /// Most samples compared.
@@ -274,7 +276,7 @@ impl PositionDifference {
 fn windows(fixes: &[Fix]) -> Vec<Range<usize>> {
     let Some((first, last)) = fixes.first().zip(fixes.last()) else { return Vec::new() };
     let duration = last.time - first.time;
-    if duration < MIN_LONG_RATIO * WINDOWS as f64 * (MARGINS_S.0 + WINDOW_S + MARGINS_S.1) {
+    if duration < MIN_LONG_RATIO * WINDOWS as f64 * (MARGIN_BEFORE_S + WINDOW_S + MARGIN_AFTER_S) {
         return vec![0..fixes.len()];
     }
     let at = |time: f64| fixes.partition_point(|fix| fix.time < time);
@@ -294,10 +296,11 @@ fn near(samples: &Samples, spans: &[Range<f64>]) -> Samples {
     for row in 0..samples.time.len() {
         // The rows around the span belong to it, too.
         let [before, after] = [row.saturating_sub(1), (row + 1).min(last)].map(|row| samples.time[row]);
-        while span + 1 < spans.len() && spans[span].end + MARGINS_S.1 < before {
+        while span + 1 < spans.len() && spans[span].end + MARGIN_AFTER_S < before {
             span += 1;
         }
-        let is_near = spans[span].start - MARGINS_S.0 <= after && before <= spans[span].end + MARGINS_S.1;
+        let is_near =
+            spans[span].start - MARGIN_BEFORE_S <= after && before <= spans[span].end + MARGIN_AFTER_S;
         let turns = |axis: usize| {
             let velocity = samples.velocity[axis][row];
             velocity != 0.0 && velocity.signum() != signs[axis]

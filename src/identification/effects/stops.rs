@@ -227,8 +227,8 @@ fn wait(effect: Effect, kind: StopKind, believed: f64, line: u32, others: Vec<St
         .answering(plc_words)
 }
 
-/// Returns the wait at a kind of stop as a free parameter, which begins with `believed` (s). What makes tool changes longer
-/// makes the first one longer by as much.
+/// Returns the wait at a kind of stop as a free parameter, which begins with `believed` (s). A longer tool change makes the first
+/// one longer by as much.
 fn freed(kind: StopKind, believed: f64) -> FreeParameter {
     let freed = kind.freed(believed);
     if kind != StopKind::ToolChange {
