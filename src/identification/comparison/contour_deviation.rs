@@ -277,7 +277,8 @@ fn windows(fixes: &[Fix]) -> Vec<Range<usize>> {
     let Some((first, last)) = fixes.first().zip(fixes.last()) else { return Vec::new() };
     let duration = last.time - first.time;
     if duration < MIN_LONG_RATIO * WINDOWS as f64 * (MARGIN_BEFORE_S + WINDOW_S + MARGIN_AFTER_S) {
-        return vec![0..fixes.len()];
+        let whole = 0..fixes.len();
+        return vec![whole];
     }
     let at = |time: f64| fixes.partition_point(|fix| fix.time < time);
     let window = |number: usize| {
