@@ -16,7 +16,9 @@
 //!     [--truefeed target/release/truefeed --preset M.toml --jobs 2]
 //! ```
 //!
-//! With `--minutes`, each program consists of several operations of different kinds and takes about that long. `probe` records the project's probe on each machine of DIR as well; `score` then calibrates on it, too. `score`
+//! With `--minutes`, each program consists of several operations of different kinds and takes about that long.
+//!
+//! `probe` records the project's probe on each machine of DIR as well; `score` then calibrates on it, too. `score`
 //! keeps the report of each case in REPORTS and does not ask again for those in there, so an interrupted run
 //! continues. It refuses a folder with the reports of another seed, build or preset.
 

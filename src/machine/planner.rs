@@ -99,8 +99,8 @@ impl Machine {
         }
     }
 
-    /// Lowers the acceleration limits of a family of planners to `along_path` or to those of the axes, mm/s²: the path
-    /// and Z for [`Planner::SquareCorner`], all axes for the others.
+    /// Lowers the accelerations that a family of planners limits: the path to `along_path` and Z to that of `of_axes` for
+    /// [`Planner::SquareCorner`], each axis to that of `of_axes` for the others, mm/s².
     pub fn limit_accelerations(&mut self, planner: Planner, along_path: f64, of_axes: [f64; 3]) {
         let is_along_path = planner == Planner::SquareCorner;
         if is_along_path {

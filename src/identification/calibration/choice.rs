@@ -8,9 +8,9 @@ use crate::identification::calibration::held_accelerations::HeldAccelerations;
 use crate::identification::calibration::motion::{motion, spindle_ramp};
 use crate::identification::calibration::rapids::{RapidPlateaus, RapidRates, is_limited_as_rapids};
 use crate::identification::calibration::{
-    BETTER_STEPS, MIN_CONTRADICTING_COST, MIN_ORDER_COST_DROP, MIN_ORDER_COST_DROP_RATIO,
-    ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, compared, laws, nearest, polled, run_fit, set_order,
-    steps, waits, whitened, whitened_in_parts,
+    BETTER_STEPS, MAX_NOISE_RATIO, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, MIN_ORDER_COST_DROP,
+    MIN_ORDER_COST_DROP_RATIO, ROUGH_COST_TOLERANCE, Share, assumed, compared, laws, nearest, polled,
+    run_fit, set_order, steps, waits, wander, whitened, whitened_in_parts,
 };
 use crate::identification::comparison::Comparison;
 use crate::identification::effects::MIN_EXPLAINED_SHARE;
@@ -30,12 +30,10 @@ const PRIOR_CLOCK_DEVIATION_RATIO: f64 = 5e-4;
 pub struct Fitting<'a> {
     /// The machine before the calibration.
     pub machine: &'a Machine,
-    /// The runs by which the machine is calibrated.
+    /// Runs of the calibration.
     whole: &'a [Run<'a>],
-    /// The runs that the fits see: all, or excerpts of them.
-    pub runs: &'a [Run<'a>],
-    /// `true` if the fits see excerpts.
-    in_parts: bool,
+    /// Excerpts of the runs, if the fits see only these.
+    parts: Option<&'a [Run<'a>]>,
     /// The waits to be fitted, each with its value before the calibration.
     waits: Vec<(FreeParameter, f64)>,
     pub plateaus: Option<RapidPlateaus>,
@@ -84,7 +82,7 @@ impl<'a> Fitting<'a> {
         }
         let held = HeldAccelerations::of(runs);
         let share = Share { done: 0.0, part: 0.2, progress };
-        (Fitting { machine, whole: runs, runs, in_parts: false, waits, plateaus, held, share }, guess)
+        (Fitting { machine, whole: runs, parts: None, waits, plateaus, held, share }, guess)
     }
 
     /// Returns the model that is nearest to excerpts of the runs, fitted to the whole runs, and the cost of each order of
@@ -93,22 +91,29 @@ impl<'a> Fitting<'a> {
         if parts.is_empty() {
             return self.model(guess);
         }
-        (self.runs, self.in_parts) = (parts, true);
+        self.parts = Some(parts);
         let (Model { best, order, .. }, orders) = self.model(guess);
-        (self.runs, self.in_parts) = (self.whole, false);
+        self.parts = None;
         let (best, whitenings) = self.fit_at_own_noise(&best.machine, order, FTOL);
         (Model { best, whitenings, order }, orders)
     }
 
-    /// Returns the whitening of what the fits see at the noise that a machine leaves.
-    fn whitening(&self) -> impl Fn(&Machine) -> Vec<Whitening> + use<'a> {
-        let (runs, in_parts) = (self.runs, self.in_parts);
-        move |machine| if in_parts { whitened_in_parts(machine, runs) } else { whitened(machine, runs) }
+    /// Returns the runs that the fits see.
+    pub fn runs(&self) -> &'a [Run<'a>] {
+        self.parts.unwrap_or(self.whole)
+    }
+
+    /// Returns the whitenings of these runs at the noise that a machine leaves.
+    fn whitened(&self, machine: &Machine) -> Vec<Whitening> {
+        match self.parts {
+            Some(parts) => whitened_in_parts(machine, parts),
+            None => whitened(machine, self.whole),
+        }
     }
 
     /// Returns the model that is nearest to the runs, and the cost of each order of filters tried.
     fn model(&mut self, guess: &Machine) -> (Model, Vec<(usize, f64)>) {
-        let shows_ramps = self.machine.has_filters() && self.runs.iter().any(|run| polled(run).is_none());
+        let shows_ramps = self.machine.has_filters() && self.runs().iter().any(|run| polled(run).is_none());
         let (mut model, orders) = self.filters(guess, shows_ramps);
         // A planner has no use for the laws of filters.
         let plain = model.best.machine.clone();
@@ -175,7 +180,7 @@ impl<'a> Fitting<'a> {
 
     /// Returns the lost time that a machine leaves, added up place by place, as a part of the recorded time.
     fn unexplained(&self, machine: &Machine) -> f64 {
-        let compared = compared(machine, self.runs);
+        let compared = compared(machine, self.runs());
         let lost = compared.iter().flat_map(|run| &run.lost).map(|visit| visit.seconds().abs()).sum::<f64>();
         lost / compared.iter().map(|run| run.whole.recorded).sum::<f64>()
     }
@@ -195,9 +200,9 @@ impl<'a> Fitting<'a> {
 
     /// Returns the parameters of a fit that starts from a machine, each with its value before the calibration.
     pub fn parameters(&self, order: usize, start: &Machine) -> Vec<(FreeParameter, f64)> {
-        let mut all = motion(self.machine, start, order, self.runs, self.plateaus);
+        let mut all = motion(self.machine, start, order, self.runs(), self.plateaus);
         all.extend(spindle_ramp(self.machine, start));
-        if self.runs.iter().all(|run| polled(run).is_none()) {
+        if self.runs().iter().all(|run| polled(run).is_none()) {
             let [own, from] = [self.machine, start].map(|machine| machine.recorder.clock_ratio);
             let clock = CLOCK_RATIO.calibrated(from).linear().expected(own, PRIOR_CLOCK_DEVIATION_RATIO);
             all.push((clock, own));
@@ -212,28 +217,36 @@ impl<'a> Fitting<'a> {
     /// value, such as a minimum cruise ratio of 0, the machine no longer has that law, and the others are fitted without it.
     fn fit(&mut self, start: &Machine, order: usize, whitenings: &[Whitening], hardly: f64) -> Fit {
         let parameters = self.parameters(order, start);
-        let found = run_fit(start, self.runs, &parameters, whitenings, hardly, &mut self.share);
+        let found = run_fit(start, self.runs(), &parameters, whitenings, hardly, &mut self.share);
         let remaining = self.parameters(order, &found.machine);
         if remaining.len() == parameters.len() {
             return found;
         }
-        run_fit(&found.machine, self.runs, &remaining, whitenings, hardly, &mut self.share)
+        run_fit(&found.machine, self.runs(), &remaining, whitenings, hardly, &mut self.share)
     }
 
-    /// Returns a fit and its whitenings as [`at_own_noise`] does.
+    /// Returns a fit from a machine at the noise that it leaves, repeated while that noise falls, and the whitenings of the last
+    /// fit. At the noise of a wrong law, hardly anything distinguishes the values of the right one.
     pub fn fit_at_own_noise(&mut self, start: &Machine, order: usize, hardly: f64) -> (Fit, Vec<Whitening>) {
-        at_own_noise(start, self.whitening(), |machine, whitenings| {
-            self.fit(machine, order, whitenings, hardly)
-        })
+        let mut whitenings = self.whitened(start);
+        let mut best = self.fit(start, order, &whitenings, hardly);
+        for _ in 1..MAX_NOISE_ROUNDS {
+            let less = self.whitened(&best.machine);
+            if MAX_NOISE_RATIO * wander(&whitenings) < wander(&less) {
+                break;
+            }
+            whitenings = less;
+            best = self.fit(&best.machine, order, &whitenings, hardly);
+        }
+        (best, whitenings)
     }
 
     /// Returns the fitted filters of the nominal order, or of another one that is nearer by far, and the cost of
     /// each order tried.
     fn filters(&mut self, guess: &Machine, shows_ramps: bool) -> (Model, Vec<(usize, f64)>) {
         let nominal = self.machine.interpolator.filters;
-        let whitened = self.whitening();
-        let first = self.fit(guess, nominal, &whitened(guess), ROUGH_COST_TOLERANCE);
-        let whitenings = whitened(&first.machine);
+        let first = self.fit(guess, nominal, &self.whitened(guess), ROUGH_COST_TOLERANCE);
+        let whitenings = self.whitened(&first.machine);
         let best = self.fit(&first.machine, nominal, &whitenings, ROUGH_COST_TOLERANCE);
         let mut orders = vec![(nominal, best.cost)];
         let mut model = Model { best, whitenings, order: nominal };
@@ -260,7 +273,7 @@ impl<'a> Fitting<'a> {
         let mut is_other = false;
         for choice in laws::CHOICES {
             let laws = choice(self.machine, &model.best.machine, self.whole);
-            let firsts = laws.into_iter().filter_map(|law| nearest(law, self.runs, &model.whitenings));
+            let firsts = laws.into_iter().filter_map(|law| nearest(law, self.runs(), &model.whitenings));
             let firsts: Vec<Machine> = firsts.collect();
             let found = self.nearest_fit(&firsts, model, ROUGH_COST_TOLERANCE);
             let margin = laws::MIN_LAW_COST_DROP.max(laws::MIN_LAW_COST_DROP_RATIO * model.best.cost);
@@ -269,7 +282,7 @@ impl<'a> Fitting<'a> {
             }
         }
         if is_other {
-            model.whitenings = self.whitening()(&model.best.machine);
+            model.whitenings = self.whitened(&model.best.machine);
             model.best = self.fit(&model.best.machine, model.order, &model.whitenings, ROUGH_COST_TOLERANCE);
         }
     }
@@ -300,7 +313,7 @@ impl<'a> Fitting<'a> {
     fn try_steps_at_corners(&mut self, model: &mut Model) {
         self.share.part = 0.03;
         let order = model.order;
-        let starts = steps::guesses(self.machine, &model.best.machine, self.runs, &model.whitenings);
+        let starts = steps::guesses(self.machine, &model.best.machine, self.runs(), &model.whitenings);
         let found = self.nearest_fit(&starts, model, ROUGH_COST_TOLERANCE);
         if let Some(found) = found.filter(|found| found.cost < (1.0 - BETTER_STEPS) * model.best.cost) {
             let (best, whitenings) = self.fit_at_own_noise(&found.machine, order, ROUGH_COST_TOLERANCE);

@@ -1,4 +1,4 @@
-//! Excerpts of long runs, by which a calibration chooses the model of the control and in which a diagnosis looks for causes.
+//! Excerpts of long runs. A calibration chooses the model of the control by them, and a diagnosis looks for causes in them.
 //!
 //! The time of a simulation grows with the length of the program, and both need hundreds of simulations. Of a run longer
 //! than [`LONG_RUN_S`] or [`LONG_RUN_SEGMENTS`] they therefore see only windows of [`WINDOW`] s, evenly spread and
@@ -115,7 +115,7 @@ fn of_run(run: &Run, budget: f64) -> Vec<Excerpt> {
     merged
         .into_iter()
         .filter(|window| MIN_WINDOW_MARKS <= window.len())
-        .filter_map(|window| cut(run, window))
+        .filter_map(|window| cut(run, &distances, window))
         .collect()
 }
 
@@ -132,11 +132,11 @@ fn enough(segments: impl Iterator<Item = Segment>) -> usize {
     segments.take(MARGIN_SEGMENTS).take_while(|segment| is_missing(segment)).count()
 }
 
-/// Returns a window of marks as a separate run with its margins; `None` without marks or segments.
-fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
+/// Returns a window of marks as a separate run with its margins; `None` without marks or segments. `distances` are those of the
+/// toolpath, mm.
+fn cut(run: &Run, distances: &[f64], window: Range<usize>) -> Option<Excerpt> {
     let Run { toolpath, alignment, overrides } = run;
     let marks = &alignment.marks[window];
-    let distances = toolpath.distances();
     let segment_of = |place: ProgramPlace| match place {
         ProgramPlace::Start => 0,
         ProgramPlace::Stop(stop) | ProgramPlace::After(stop) => toolpath.stops[stop].after,

@@ -38,7 +38,7 @@ impl Fitting<'_> {
         let mut all = self.parameters(model.order, &best.machine);
         let believed: Vec<f64> = all.iter().map(|(_, before)| *before).collect();
         assumed::lend(&mut all, best);
-        let are_polled = self.runs.iter().all(|run| polled(run).is_some());
+        let are_polled = self.runs().iter().all(|run| polled(run).is_some());
         let mut verdicts = first_verdicts(&all, best, are_polled);
         for ((freed, back), verdict) in all.iter_mut().zip(&mut verdicts) {
             let axis = motion::rapid_axis_of(freed);
@@ -48,12 +48,12 @@ impl Fitting<'_> {
             }
         }
         self.share.part = 0.04;
-        let last = put_back(best, &all, &verdicts, self.runs, &model.whitenings, &mut self.share);
+        let last = put_back(best, &all, &verdicts, self.runs(), &model.whitenings, &mut self.share);
         let mut judgement = Judgement { all, believed, verdicts, deviations: best.deviations.clone(), last };
         self.keep_sums_of_waits(model, &mut judgement);
         self.put_back_doubtful(model, &mut judgement);
         if are_polled {
-            settle_waits(&mut judgement.last, &judgement.all, &judgement.verdicts, self.runs);
+            settle_waits(&mut judgement.last, &judgement.all, &judgement.verdicts, self.runs());
         }
         judgement
     }
@@ -113,7 +113,7 @@ impl Fitting<'_> {
 
     fn put_back(&mut self, model: &Model, judgement: &Judgement) -> Fit {
         let Judgement { all, verdicts, .. } = judgement;
-        put_back(&model.best, all, verdicts, self.runs, &model.whitenings, &mut self.share)
+        put_back(&model.best, all, verdicts, self.runs(), &model.whitenings, &mut self.share)
     }
 }
 

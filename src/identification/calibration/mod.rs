@@ -236,8 +236,8 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     }
 }
 
-/// Returns the excerpts by which the model of the control is chosen; empty if no run is long, or if a log of polls shows too
-/// little in a window.
+/// Returns excerpts for the choice of the model. The result is empty if no run is long, or if a run is a log of polls, which
+/// shows too little in a window.
 fn excerpts_for_choice(runs: &[Run]) -> Vec<Excerpt> {
     let is_polled = runs.iter().any(|run| polled(run).is_some());
     let of_runs = if is_polled { None } else { excerpts(runs, CALIBRATION_WINDOWS_S) };
@@ -306,26 +306,6 @@ fn nearest_with_cost(
 ) -> Option<(f64, Machine)> {
     let costs = machines.into_iter().map(|machine| (cost_of(&machine, runs, whitenings), machine));
     costs.min_by(|a, b| a.0.total_cmp(&b.0))
-}
-
-/// Returns a fit from a machine at the noise that it leaves, repeated while that noise falls, and the whitenings of
-/// the last fit. At the noise of a wrong law, hardly anything distinguishes the values of the right one.
-fn at_own_noise(
-    start: &Machine,
-    whitened: impl Fn(&Machine) -> Vec<Whitening>,
-    mut fitted: impl FnMut(&Machine, &[Whitening]) -> Fit,
-) -> (Fit, Vec<Whitening>) {
-    let mut whitenings = whitened(start);
-    let mut best = fitted(start, &whitenings);
-    for _ in 1..MAX_NOISE_ROUNDS {
-        let less = whitened(&best.machine);
-        if MAX_NOISE_RATIO * wander(&whitenings) < wander(&less) {
-            break;
-        }
-        whitenings = less;
-        best = fitted(&best.machine, &whitenings);
-    }
-    (best, whitenings)
 }
 
 /// Returns the whitening of each excerpt, with its only section, at the noise that a machine leaves in all of them.

@@ -135,7 +135,7 @@ pub fn axis_of(freed: &FreeParameter) -> Option<usize> {
 }
 
 /// Returns the relative standard deviations of the accelerations of X, Y and Z: 0 for an unknown one, `None` if all are
-/// unknown. An axis without a deviation gets that of the acceleration along the path.
+/// unknown. The deviation along the path replaces the missing one of an axis.
 pub fn acceleration_deviations(estimates: &[Estimate]) -> Option<[f64; 3]> {
     let of = |parameter: Adjustable| {
         let estimate = estimates.iter().find(|estimate| estimate.key == parameter.key)?;

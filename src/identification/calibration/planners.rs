@@ -22,8 +22,13 @@ const PLANNERS_SHARE: f64 = 0.4;
 impl Fitting<'_> {
     /// Replaces the model by the nearest planner if that is nearer by far; `plain` has the filters without laws.
     pub fn try_planners(&mut self, plain: &Machine, model: &mut Model) {
-        let starts =
-            families::guesses(self.machine, plain, self.runs, &model.whitenings, (self.plateaus, self.held));
+        let starts = families::guesses(
+            self.machine,
+            plain,
+            self.runs(),
+            &model.whitenings,
+            (self.plateaus, self.held),
+        );
         self.share.part = PLANNERS_SHARE / (starts.len().max(1) * MAX_NOISE_ROUNDS) as f64;
         let mut of_families: Vec<Model> = Vec::new();
         for start in &starts {
@@ -57,7 +62,7 @@ impl Fitting<'_> {
     fn planner(&mut self, start: &Machine) -> Model {
         let (mut best, mut whitenings) = self.fit_at_own_noise(start, 1, FTOL);
         // What has no derivative is chosen again where the fit has come to.
-        if let Some(other) = families::chosen_again(&best.machine, self.runs, &whitenings) {
+        if let Some(other) = families::chosen_again(&best.machine, self.runs(), &whitenings) {
             (best, whitenings) = self.fit_at_own_noise(&other, 1, FTOL);
         }
         Model { best, whitenings, order: 1 }
@@ -95,7 +100,7 @@ impl Fitting<'_> {
     /// Returns a planner whose ramps do not have the recorded shape with a jerk limit if that is nearer by far; otherwise
     /// returns the planner unchanged.
     fn with_jerk_limit(&mut self, planner: Model) -> Model {
-        let starts = families::with_jerk_limits(&planner.best.machine, self.runs, &planner.whitenings);
+        let starts = families::with_jerk_limits(&planner.best.machine, self.runs(), &planner.whitenings);
         starts.iter().fold(planner, |planner, start| {
             let (best, whitenings) = self.fit_at_own_noise(start, 1, FTOL);
             let limited = Model { best, whitenings, order: 1 };
@@ -105,7 +110,7 @@ impl Fitting<'_> {
 
     /// Returns `true` if ramps have the recorded shape, or if no run shows it.
     fn has_recorded_ramps(&self, model: &Model) -> bool {
-        ramp_misfit(&model.best.machine, self.runs).is_of_law()
+        ramp_misfit(&model.best.machine, self.runs()).is_of_law()
     }
 
     /// Returns `true` if a planner is nearer to the runs than an earlier one: by far if both blend corners in time or it has
@@ -128,7 +133,7 @@ impl Fitting<'_> {
     fn costs(&self, one: &Model, other: &Model) -> [f64; 2] {
         let unlikely = |model: &Model| {
             let log_variances = model.whitenings.iter().map(Whitening::log_variance);
-            cost_of(&model.best.machine, self.runs, &model.whitenings) + log_variances.sum::<f64>()
+            cost_of(&model.best.machine, self.runs(), &model.whitenings) + log_variances.sum::<f64>()
         };
         let likely = if unlikely(one) < unlikely(other) { one } else { other };
         self.costs_at_noise_of(likely, [one, other])
@@ -136,12 +141,12 @@ impl Fitting<'_> {
 
     /// Returns the costs of two models at the noise of a model.
     pub fn costs_at_noise_of(&self, noisy: &Model, models: [&Model; 2]) -> [f64; 2] {
-        models.map(|model| cost_of(&model.best.machine, self.runs, &noisy.whitenings))
+        models.map(|model| cost_of(&model.best.machine, self.runs(), &noisy.whitenings))
     }
 
     /// Returns `true` if the runs can distinguish two planners.
     pub fn can_distinguish(&self, one: &Machine, other: &Machine) -> bool {
-        MIN_DISTINGUISHING_SHIFT_S < largest_shift([one, other], self.runs)
+        MIN_DISTINGUISHING_SHIFT_S < largest_shift([one, other], self.runs())
     }
 
     /// Replaces the model by one with another way to blend corners if the runs contradict the first one. It fits each of

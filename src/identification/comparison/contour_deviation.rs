@@ -32,11 +32,11 @@ const WINDOW_S: f64 = 2.0;
 const MARGIN_BEFORE_S: f64 = 5.0;
 /// Time after a window for which the profile keeps all rows, s: delays are shorter.
 const MARGIN_AFTER_S: f64 = 1.0;
-/// Least ratio of the duration of a recording to that of the windows with their margins.
+/// Least ratio between the duration of a long recording and the duration of all windows with their margins.
 const MIN_LONG_RATIO: f64 = 1.5;
-/// Ratio by which the velocity of an axis is lower in rows far from any window: it keeps its sign, and the cubic between such rows
-/// does not overshoot.
-const DISTANT_VELOCITY_RATIO: f64 = 1e-9;
+/// Factor of the velocities in rows far from any window. Their signs show where an axis turns, and the cubics between such rows
+/// do not overshoot.
+const VELOCITY_RATIO_BETWEEN_WINDOWS: f64 = 1e-9;
 /// Most samples compared.
 const MAX_SAMPLES: usize = 8000;
 /// Uncertainty of a recorder's stamps, s; multiplied by the speed it is a difference along the motion.
@@ -302,14 +302,11 @@ fn near(samples: &Samples, spans: &[Range<f64>]) -> Samples {
         }
         let is_near =
             spans[span].start - MARGIN_BEFORE_S <= after && before <= spans[span].end + MARGIN_AFTER_S;
-        let turns = |axis: usize| {
-            let velocity = samples.velocity[axis][row];
-            velocity != 0.0 && velocity.signum() != signs[axis]
-        };
-        let is_turn = (0..3).any(turns);
-        for (sign, velocity) in signs.iter_mut().zip(&samples.velocity) {
-            if velocity[row] != 0.0 {
-                *sign = velocity[row].signum();
+        let mut is_turn = false;
+        for (sign, velocities) in signs.iter_mut().zip(&samples.velocity) {
+            let velocity = velocities[row];
+            if velocity != 0.0 && velocity.signum() != *sign {
+                (*sign, is_turn) = (velocity.signum(), true);
             }
         }
         if is_near {
@@ -318,7 +315,7 @@ fn near(samples: &Samples, spans: &[Range<f64>]) -> Samples {
             // The place where the axis turns is between both rows.
             for row in row.saturating_sub(1)..=row {
                 if kept.time.last().is_none_or(|last| *last < samples.time[row]) {
-                    push_row(&mut kept, samples, row, DISTANT_VELOCITY_RATIO);
+                    push_row(&mut kept, samples, row, VELOCITY_RATIO_BETWEEN_WINDOWS);
                 }
             }
         }

@@ -218,7 +218,8 @@ fn diagnose_as_it_is(
     };
     let base = with_all(&start, &candidates(&in_time.read_off));
     let with_time = with_all(&base, &candidates(&in_time.named));
-    let other_forms = (with_time != *machine).then(|| Forms::of(&with_time, runs));
+    // Drives change no command.
+    let other_forms = (!in_time.is_empty()).then(|| Forms::of(&with_time, runs));
     let forms_with_time = other_forms.as_ref().unwrap_or(&forms);
     // What is left of the time has moved the path as well, and a drive would only imitate that.
     if is_in_time && !model_error::leaves_much(machine, &with_time, runs, !in_time.is_empty()) {

@@ -95,7 +95,7 @@ impl Run<'_> {
 
     /// Returns `true` if the program has rapid moves.
     pub fn has_rapid(&self) -> bool {
-        self.toolpath.segments.iter().any(|segment| segment.motion.is_rapid())
+        self.toolpath.has_rapid()
     }
 
     /// Returns `true` if another run has the same program and, on this machine, the same override switches.
@@ -152,7 +152,7 @@ pub fn whitened(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Ve
     each.collect()
 }
 
-/// Returns the whitening of each of some runs that are parts of one: all have the same noise, that of their residuals together.
+/// Returns the whitenings of parts of one run. All parts share one noise, which comes from all their residuals.
 pub fn whitenings_in_common(machine: &Machine, parts: &[Run]) -> Vec<Whitening> {
     let residuals: Vec<Vec<f64>> = parts.iter().map(|part| part.residuals(machine)).collect();
     let pairs: Vec<_> = parts.iter().zip(&residuals).map(|(part, own)| (part.alignment, &own[..])).collect();

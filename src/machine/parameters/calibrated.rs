@@ -87,7 +87,7 @@ pub const CALIBRATED: [Parameter; 22] = [
         "Distances between arcs and their chords that the calibrating runs allow as well as that of this machine, in per cent of it. Programs that other chords would slow are less certain. Empty: the runs determine the chords, or arcs have none."
     ),
     row!("calibration.only_rapid_feed_mm_min", "Only F of rapids", optional MillimetrePerMinute (0.001, 1e6) [calibrated_on.only_rapid_feedrate],
-        "Only programmed feedrate that the rapids of the calibrating runs hold. It may be their rate by coincidence, so programs that differ with rapids at this rate are less certain. Empty: the rapids hold several feedrates or none."),
+        "Only programmed feedrate that the rapids of the calibrating runs hold. The rate of the machine may be the same by coincidence. Programs whose rapids have another feedrate are therefore less certain. Empty: the rapids hold several feedrates or none."),
     row!(
         "calibration.assumed_rapids",
         "Assumed rapids",

@@ -27,7 +27,8 @@
 //! If the runs do not show for which override the control plans its corners, the largest one that they allow may make the
 //! corners of a program faster; and an acceleration that the calibration assumed may be [`ASSUMED_ACCELERATION_RATIO`]
 //! times as high, or as low as the runs allow. If no run has an arc, or none whose chords would slow it if they were longer or
-//! shorter, the chords may be so ([`CHORD_ERROR_RATIOS`]). If all rapids of the runs hold one F, that may be their rate. Then the differences between these cycle times add to the range.
+//! shorter, the chords may be so ([`CHORD_ERROR_RATIOS`]). If all rapids of the runs hold one F, that may be their rate. Then the
+//! differences between these cycle times add to the range.
 //!
 //! A feed is faster if it moves an axis faster than any move of the runs, feed or rapid: if the runs recorded
 //! positions, an axis can cut as fast as it moved in rapid. A rapid is faster if an axis whose full rapid
@@ -396,8 +397,8 @@ fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshow
         other.rapid.feedrate = other.rapid.feedrate.min(feedrate);
         other
     };
-    let has_rapid = toolpath.segments.iter().any(|segment| segment.motion.is_rapid());
-    let at_feedrate = on.only_rapid_feedrate.filter(|_| machine.rapid.at_feedrate && has_rapid);
+    let is_doubtful = machine.rapid.at_feedrate && toolpath.has_rapid();
+    let at_feedrate = on.only_rapid_feedrate.filter(|_| is_doubtful);
     let rapids: Vec<Machine> = at_feedrate.map(at_rate).into_iter().collect();
     if overrides.is_empty() && accelerations.is_empty() && chords.is_empty() && rapids.is_empty() {
         return Vec::new();

@@ -234,6 +234,11 @@ impl Toolpath {
         running_sum((0..self.segments.len()).map(|segment| self.segments.length(segment)))
     }
 
+    /// Returns `true` if any segment is a rapid.
+    pub fn has_rapid(&self) -> bool {
+        self.segments.iter().any(|segment| segment.motion.is_rapid())
+    }
+
     /// Returns the stops between segment `after − 1` and segment `after`.
     pub fn stops_at(&self, after: usize) -> &[Stop] {
         let behind = &self.stops[self.stops.partition_point(|stop| stop.after < after)..];
