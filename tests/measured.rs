@@ -31,7 +31,7 @@ fn machine() -> Machine {
 fn recording(machine: &Machine, toolpath: &Toolpath, interval: f64) -> String {
     let plan = simulate(toolpath, machine);
     let profile = Profile::new(toolpath, &plan);
-    let samples = profile.samples(Resolution { feedrate: 1e-3, position: 1e-4 });
+    let samples = profile.samples(Resolution { feedrate: 1e-3, position: 1e-4, spacing: 0.0 });
     let count = (profile.cycle_time() / interval) as usize + 50;
     let mut row = 0;
     let rows = (0..count).map(|at| {

@@ -26,7 +26,8 @@ fn machine(more: &str) -> Machine {
 fn recording(program: &str, machine: &Machine) -> String {
     let toolpath = trace(&read(program.as_bytes()), machine);
     let plan = simulate(&toolpath, machine);
-    let commanded = Profile::new(&toolpath, &plan).samples(Resolution { feedrate: 2e-3, position: 2e-4 });
+    let commanded =
+        Profile::new(&toolpath, &plan).samples(Resolution { feedrate: 2e-3, position: 2e-4, spacing: 0.0 });
     let actual = actual_motion(&commanded, machine);
     let mut seed = 1u64;
     let mut noise = || {

@@ -61,7 +61,7 @@ pub fn times_at_marks(
         _ => return ideal,
     };
     let profile = Profile::new(toolpath, plan);
-    let samples = profile.samples(Resolution { feedrate: 2e-3, position: 1e-3 });
+    let samples = profile.samples(Resolution::MOTION);
     let actual = actual_motion(&samples, machine);
     let interval = track.interval.max(profile.cycle_time() / MAX_SAMPLES);
     let mut simulated = Track { time: Vec::new(), position: Vec::new(), ..**track };

@@ -78,7 +78,7 @@ pub struct ContourDeviation {
 impl ContourDeviation {
     /// Returns the profile of a plan as [`ContourDeviation::new`] needs it.
     pub fn samples(toolpath: &Toolpath, plan: &FeedPlan) -> Samples {
-        Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 })
+        Profile::new(toolpath, plan).samples(Resolution::MOTION)
     }
 
     /// Returns the deviations of a run from its simulated profile, given the simulated times at the marks (s) and the
@@ -496,7 +496,12 @@ mod tests {
         let spans: Vec<Range<f64>> = spans.collect();
         assert_eq!(spans.len(), WINDOWS);
         let thinned = near(&samples, &spans);
-        assert!(2 * thinned.time.len() < samples.time.len(), "{} rows", thinned.time.len());
+        assert!(
+            3 * thinned.time.len() < 2 * samples.time.len(),
+            "{} of {} rows",
+            thinned.time.len(),
+            samples.time.len()
+        );
         for axis in 0..3 {
             let [whole, near] = [&samples, &thinned].map(|samples| AxisMotion::of(samples, &machine, axis));
             let (mut row, mut near_row) = (0, 0);

@@ -96,7 +96,7 @@ pub fn ramp_windows(
     if MAX_WINDOW_S < rows as f64 * track.interval {
         return Vec::new();
     }
-    let samples = Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 });
+    let samples = Profile::new(toolpath, plan).samples(Resolution::MOTION);
     let motion = [0, 1, 2].map(|axis| AxisMotion::of(&samples, machine, axis));
     let every = alignment.fixes.len().div_ceil(MAX_ROWS).max(1);
     let mut near = [0; 3];

@@ -13,8 +13,6 @@ use crate::simulation::toolpath::Point;
 
 /// Most samples; the rest of longer runs is not simulated.
 const MAX_SAMPLES: usize = 1_000_000;
-/// Resolution of a recorder of positions, fine enough for differences of positions.
-const RECORDER_RESOLUTION: Resolution = Resolution { feedrate: 1e-3, position: 1e-4 };
 
 /// Returns the recording that a machine would leave.
 pub fn simulated(machine: &Machine, run: &Run) -> Alignment {
@@ -28,7 +26,7 @@ pub fn simulated(machine: &Machine, run: &Run) -> Alignment {
         return own;
     };
     let profile = Profile::new(run.toolpath, &plan);
-    let ideal = profile.samples(RECORDER_RESOLUTION);
+    let ideal = profile.samples(Resolution::MOTION);
     let actual = actual_motion(&ideal, machine);
     let count = ((profile.cycle_time() / track.interval).ceil() as usize + 1).min(MAX_SAMPLES);
     let (mut row, mut place) = (0, 0);

@@ -155,7 +155,7 @@ fn without_drives(machine: &Machine) -> Machine {
 
 /// Returns the command of a plan over time.
 fn commanded(toolpath: &Toolpath, plan: &FeedPlan) -> Samples {
-    Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 })
+    Profile::new(toolpath, plan).samples(Resolution::MOTION)
 }
 
 /// One cause at one value against all values of another: for each chord of the other cause's curve, and each

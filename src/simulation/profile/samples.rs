@@ -1,7 +1,7 @@
 //! A profile as a table, dense where the feedrate bends.
 //!
-//! Rows are an eighth of the filter delay apart while anything changes, and nowhere else; then each gap is
-//! halved until straight lines between the rows, over time and over distance, stay within the requested
+//! Rows are an eighth of the filter delay apart while anything changes, and nowhere else; then each gap above a least
+//! spacing is halved until straight lines between the rows, over time and over distance, stay within the requested
 //! resolution. A filtered feedrate has no feature shorter than that first spacing resolves, unless the
 //! filters let short pulses through: then rows are added where the feedrate may bend.
 //!
@@ -75,13 +75,19 @@ pub struct Resolution {
     pub feedrate: f64,
     /// Accuracy of the position, mm.
     pub position: f64,
+    /// Time between rows below which no row is added, s.
+    pub spacing: f64,
 }
 
 impl Resolution {
     /// For files: half of the promised 0.1 % of the feedrate, and a micrometre.
-    pub const FINE: Resolution = Resolution { feedrate: 5e-4, position: 1e-3 };
+    pub const FINE: Resolution = Resolution { feedrate: 5e-4, position: 1e-3, spacing: 0.0 };
     /// For charts of feedrate over distance: less than a pixel; positions are not refined.
-    pub const CHART: Resolution = Resolution { feedrate: 2e-3, position: f64::INFINITY };
+    pub const CHART: Resolution = Resolution { feedrate: 2e-3, position: f64::INFINITY, spacing: 0.0 };
+    /// For positions over time, by the cubics between the rows ([`Samples::motion_at`]). On a radius r straight lines that miss
+    /// a position by p, mm, belong to cubics that miss it by p²/(6 r). Where the velocity changes by Δv within a few tenths of
+    /// a millisecond, as in planners without filters, cubics over the spacing h miss it by Δv h/16.
+    pub const MOTION: Resolution = Resolution { feedrate: f64::INFINITY, position: 2e-3, spacing: 2.5e-4 };
 }
 
 /// Most rows of a table for pictures: a finishing program of a million blocks keeps all of its rows.
@@ -263,8 +269,12 @@ impl<T: SampledTable> Sampler<'_, T> {
         while last.filtered < duration && self.table.rows() <= most {
             let time = self.next_time(last).min(duration);
             let next = self.row(last.moment.pulse, time);
-            let middle = self.between(last, next);
-            self.fill(last, middle, next, 0);
+            if time - last.filtered <= self.resolution.spacing {
+                self.push(next);
+            } else {
+                let middle = self.between(last, next);
+                self.fill(last, middle, next, 0);
+            }
             last = next;
         }
     }
@@ -293,13 +303,13 @@ impl<T: SampledTable> Sampler<'_, T> {
         CandidateRow { time, filtered, moment, state: cursor.state_at(time) }
     }
 
-    /// Returns the time of the row after `last`: later by an eighth of the filter delay, or the end of the
-    /// time in which the acceleration is constant.
+    /// Returns the time of the row after `last`: later by an eighth of the filter delay or by the least spacing, or the end of
+    /// the time in which the acceleration is constant.
     fn next_time(&mut self, last: CandidateRow) -> f64 {
         let time = last.filtered;
         let motion = self.steps.cursor.motion;
         let delay = motion.filter.delay();
-        let step = self.next_kink(time, time + delay / 8.0);
+        let step = self.next_kink(time, time + self.resolution.spacing.max(delay / 8.0));
         // A ramp behind the filters may begin or end where the command is even.
         let knots = motion.knots;
         let edge = knots.get(knots.partition_point(|knot| knot.filtered <= time));

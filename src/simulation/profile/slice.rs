@@ -1,4 +1,14 @@
 //! A pulse within the window of the filters, and integrals over it where it runs along an arc.
+//!
+//! Where a pulse along an arc has an even command and fills the whole window, the integrals have a closed form. With the
+//! position as a complex number in the plane of the arc, z = r e^(iθ), the moving averages of lengths T_k turn a motion with
+//! the rate of turning ω and the radius r + ρ t into
+//!
+//! ```text
+//! z̄ = (r G − i ρ G′) e^(iθ),      G(ω) = Π sinc(ω T_k/2),      r and θ half the filter delay ago
+//! ```
+//!
+//! since their impulse response is symmetric about half the delay.
 
 use std::ops::Range;
 
@@ -7,6 +17,7 @@ use crate::simulation::filter::FilterChain;
 use crate::simulation::toolpath::{Arc, Vector};
 
 /// A pulse within the window: from the older age to the younger one.
+#[derive(Clone, Copy)]
 pub(super) struct PulseSlice {
     /// Index of the segment.
     pub(super) segment: usize,
@@ -44,6 +55,9 @@ impl PulseSlice {
     /// needs all registers.
     #[inline(never)]
     pub(super) fn along_arc(&self, arc: &Arc, length: f64, filter: &FilterChain) -> (Vector, Vector) {
+        if let Some(even) = self.even_turning(arc, length, filter) {
+            return (even.arrived(arc).over(arc, 1.0), even.velocity().over(arc, 1.0));
+        }
         let (mut arrived, mut arrives) = (ArcFrameVector::default(), ArcFrameVector::default());
         for span in filter.spans(self.younger, self.older) {
             quadrature(self, arc, length, span.begin..span.end, |node| {
@@ -60,16 +74,20 @@ impl PulseSlice {
     pub(super) fn acceleration_along_arc(&self, arc: &Arc, length: f64, filter: &FilterChain) -> Vector {
         let (slope, per_length) = (self.slope(), 1.0 / length);
         let mut sum = ArcFrameVector::default();
-        for span in filter.spans(self.younger, self.older) {
-            quadrature(self, arc, length, span.begin..span.end, |node| {
-                let impulse = node.weight * span.impulse(node.age);
-                let square = node.feedrate * node.feedrate * per_length;
-                sum.add_scaled(impulse * slope, node.first);
-                sum.add_scaled(
-                    impulse * square,
-                    arc.second_derivative_in_plane(node.sigma, node.sin, node.cos),
-                );
-            });
+        if let Some(even) = self.even_turning(arc, length, filter) {
+            sum.add_scaled(length, even.acceleration());
+        } else {
+            for span in filter.spans(self.younger, self.older) {
+                quadrature(self, arc, length, span.begin..span.end, |node| {
+                    let impulse = node.weight * span.impulse(node.age);
+                    let square = node.feedrate * node.feedrate * per_length;
+                    sum.add_scaled(impulse * slope, node.first);
+                    sum.add_scaled(
+                        impulse * square,
+                        arc.second_derivative_in_plane(node.sigma, node.sin, node.cos),
+                    );
+                });
+            }
         }
         for (age, sign) in [(self.older, 1.0), (self.younger, -1.0)] {
             let impulse = filter.impulse(age);
@@ -82,6 +100,41 @@ impl PulseSlice {
             }
         }
         sum.over(arc, length)
+    }
+
+    /// Returns the filtered motion in the plane of the arc; `None` unless the slice fills the window with an even command
+    /// and turns little enough within each filter for the formula to keep its digits.
+    fn even_turning(&self, arc: &Arc, length: f64, filter: &FilterChain) -> Option<EvenTurning> {
+        let is_whole = self.younger == 0.0 && self.older == filter.delay();
+        if !is_whole || self.first != self.last {
+            return None;
+        }
+        let rate = self.first / length;
+        let turning = arc.sweep * rate;
+        let longest = filter.time_constants().iter().copied().fold(0.0, f64::max);
+        if MAX_FILTERED_ANGLE_RAD < turning * longest {
+            return None;
+        }
+        let (mut gain, mut relative_slope) = (1.0, 0.0);
+        for time_constant in filter.time_constants() {
+            let half = 0.5 * time_constant;
+            let (sinc, slope) = sinc(turning * half);
+            gain *= sinc;
+            relative_slope += half * slope / sinc;
+        }
+        let at = |age: f64| (self.offset + self.first * (filter.delay() - age)) / length;
+        let (sigma, oldest_sigma) = (at(filter.half_delay()), at(filter.delay()));
+        let (sin, cos) = (arc.sweep * sigma).sin_cos();
+        let widening = (arc.end_radius - arc.start_radius) * rate;
+        let radius = arc.start_radius + (arc.end_radius - arc.start_radius) * sigma;
+        Some(EvenTurning {
+            rate,
+            turning,
+            radius: [radius * gain, -widening * gain * relative_slope],
+            widening: widening * gain,
+            direction: [cos, sin],
+            sigmas: [oldest_sigma, sigma],
+        })
     }
 
     /// Returns the slope of the command, mm/s².
@@ -111,6 +164,63 @@ const GAUSS_LEGENDRE_6: [(f64, f64); 6] = [
 
 /// Largest angle turned within one interval of the quadrature, rad.
 const MAX_QUADRATURE_ANGLE_RAD: f64 = 0.5;
+
+/// Largest angle turned within the longest filter at which the closed form is used, rad; twice the range of [`sinc`].
+const MAX_FILTERED_ANGLE_RAD: f64 = 2.0;
+
+/// A filtered motion along an arc at an even command, in the plane of the arc: the position relative to the centre is
+/// (`radius[0]` + i `radius[1]`) (`direction[0]` + i `direction[1]`).
+struct EvenTurning {
+    /// Rate of the fraction of the arc, 1/s.
+    rate: f64,
+    /// Rate of turning, rad/s.
+    turning: f64,
+    /// Filtered radius, complex, mm.
+    radius: [f64; 2],
+    /// Filtered rate of the radius, mm/s.
+    widening: f64,
+    /// Cosine and sine of the angle half the filter delay ago.
+    direction: [f64; 2],
+    /// Fraction of the arc one filter delay and half of it ago.
+    sigmas: [f64; 2],
+}
+
+impl EvenTurning {
+    /// Returns the displacement since the command one filter delay ago, mm.
+    fn arrived(&self, arc: &Arc) -> ArcFrameVector {
+        let [oldest, now] = self.sigmas;
+        let (sin, cos) = (arc.sweep * oldest).sin_cos();
+        let radius = arc.start_radius + (arc.end_radius - arc.start_radius) * oldest;
+        let [first, second] = self.turned(self.radius);
+        ArcFrameVector([first - radius * cos, second - radius * sin, now - oldest])
+    }
+
+    /// Returns the velocity, mm/s.
+    fn velocity(&self) -> ArcFrameVector {
+        let [real, imaginary] = self.radius.map(|part| self.turning * part);
+        let [first, second] = self.turned([self.widening - imaginary, real]);
+        ArcFrameVector([first, second, self.rate])
+    }
+
+    /// Returns the acceleration without that of the change of the radius, along e1, e2 and the rise, mm/s².
+    fn acceleration(&self) -> [f64; 3] {
+        let [first, second] = self.turned(self.radius.map(|part| -self.turning * self.turning * part));
+        [first, second, 0.0]
+    }
+
+    /// Returns a complex number times the direction.
+    fn turned(&self, [real, imaginary]: [f64; 2]) -> [f64; 2] {
+        let [cos, sin] = self.direction;
+        [real * cos - imaginary * sin, real * sin + imaginary * cos]
+    }
+}
+
+/// Returns sinc(x) = sin(x)/x and its derivative by their series, for |x| ≤ 1, where the truncation error is below rounding.
+fn sinc(x: f64) -> (f64, f64) {
+    let of_sinc = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0, 1.0 / 156.0, 1.0 / 210.0];
+    let of_slope = [1.0 / 10.0, 1.0 / 28.0, 1.0 / 54.0, 1.0 / 88.0, 1.0 / 130.0, 1.0 / 180.0, 1.0 / 238.0];
+    (nested(x * x, of_sinc), -x / 3.0 * nested(x * x, of_slope))
+}
 
 /// A node of the quadrature: a moment within an arc.
 pub(super) struct QuadratureNode {
@@ -192,21 +302,63 @@ pub(super) fn quadrature(
     }
     for interval in 0..intervals {
         let middle = ages.start + (2 * interval + 1) as f64 * half;
-        let (sin, cos) = (arc.sweep * (slice.at(middle).1 * per_length)).sin_cos();
+        let middle_s = slice.at(middle).1;
+        let (sin, cos) = (arc.sweep * (middle_s * per_length)).sin_cos();
         for k in 0..GAUSS_LEGENDRE_6.len() {
-            let ((node, weight), (sin_node, cos_node)) = (GAUSS_LEGENDRE_6[k], turned[k]);
+            let (node, weight) = GAUSS_LEGENDRE_6[k];
             let age = middle + node * half;
             let (feedrate, s) = slice.at(age);
             let sigma = s * per_length;
             // An older part was commanded before the middle of the arc.
-            let (sin, cos) = if is_even {
-                (sin * cos_node - cos * sin_node, cos * cos_node + sin * sin_node)
-            } else {
-                (arc.sweep * sigma).sin_cos()
-            };
+            let (sin_node, cos_node) =
+                if is_even { turned[k] } else { turn(arc.sweep * ((middle_s - s) * per_length)) };
+            let (sin, cos) = (sin * cos_node - cos * sin_node, cos * cos_node + sin * sin_node);
             let [first, second] = arc.derivative_in_plane(sigma, sin, cos);
             let first = [first, second, 1.0];
             visit(QuadratureNode { age, weight: weight * half, feedrate, sigma, sin, cos, first });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_on_an_arc_is_the_sum_of_its_halves() {
+        let arc = Arc {
+            center: [3.0, -2.0, 0.5].into(),
+            e1: Vector::x(),
+            e2: Vector::y(),
+            start_radius: 7.0,
+            end_radius: 7.2,
+            sweep: 2.5,
+            rise: Vector::new(0.0, 0.0, 4.0),
+        };
+        let length = arc.length();
+        for filters in [vec![0.02, 0.02, 0.02], vec![0.05, 0.013], vec![0.04]] {
+            let filter = FilterChain::new(&filters);
+            let whole = PulseSlice {
+                segment: 0,
+                older: filter.delay(),
+                younger: 0.0,
+                first: 90.0,
+                last: 90.0,
+                offset: 2.0,
+            };
+            assert!(whole.even_turning(&arc, length, &filter).is_some());
+            let middle = 0.37 * filter.delay();
+            let (_, offset) = whole.at(middle);
+            let halves =
+                [PulseSlice { younger: middle, ..whole }, PulseSlice { older: middle, offset, ..whole }];
+            let (arrived, arrives) = whole.along_arc(&arc, length, &filter);
+            let each = halves.each_ref().map(|half| half.along_arc(&arc, length, &filter));
+            assert!((arrived - each[0].0 - each[1].0).norm() < 1e-13 * length, "{filters:?}");
+            assert!((arrives - each[0].1 - each[1].1).norm() < 1e-12 * whole.first, "{filters:?}");
+            let acceleration = whole.acceleration_along_arc(&arc, length, &filter);
+            let sum: Vector =
+                halves.iter().map(|half| half.acceleration_along_arc(&arc, length, &filter)).sum();
+            assert!((acceleration - sum).norm() < 1e-11 * acceleration.norm(), "{filters:?}");
         }
     }
 }
