@@ -16,6 +16,7 @@
 use crate::identification::comparison::{ContourDeviation, TYPICAL_PARTS, compare};
 use crate::identification::diagnosis::evidence::Candidate;
 use crate::identification::diagnosis::standing::{MAX_UNEXPLAINED_RATIO, Standing};
+use crate::identification::diagnosis::{Cause, regions};
 use crate::identification::effects::{Hypothesis, Trace};
 use crate::identification::fit::{Run, golden_section};
 use crate::machine::Machine;
@@ -125,14 +126,21 @@ pub struct Explained {
 }
 
 impl Explained {
-    /// Returns the form error that the causes remove, mm.
-    pub fn removed(&self) -> f64 {
-        (self.before * self.before - self.after * self.after).max(0.0).sqrt()
-    }
-
-    /// Returns the part of the squared form error that the causes remove; 0 if there are none.
-    pub fn removed_part(&self) -> f64 {
-        if self.causes.is_empty() { 0.0 } else { 1.0 - (self.after / self.before).powi(2) }
+    /// Returns the drives as causes, each with the form error that all of them remove, and with the part of the squared
+    /// form error that this is as its confidence.
+    pub fn as_causes(&self, runs: &[Run]) -> impl Iterator<Item = Cause> {
+        let removed = (self.before * self.before - self.after * self.after).max(0.0).sqrt();
+        let confidence = 1.0 - (self.after / self.before).powi(2);
+        let lines = regions::all_lines(runs);
+        self.causes.iter().map(move |candidate| Cause {
+            candidate: candidate.clone(),
+            seconds: 0.0,
+            form: removed,
+            lines: lines.clone(),
+            confidence,
+            alike: Vec::new(),
+            held_out: None,
+        })
     }
 }
 

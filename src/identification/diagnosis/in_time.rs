@@ -11,8 +11,9 @@ use crate::identification::diagnosis::cause::{AcceptedCause, candidates};
 use crate::identification::diagnosis::confidence::weighed;
 use crate::identification::diagnosis::evidence::{Looked, with_all};
 use crate::identification::diagnosis::model_error::{
-    doubt_of_law, is_of_machine, is_worth_a_search, without_story,
+    describes_another_machine, doubt_of_law, is_of_machine, is_worth_a_search, without_story,
 };
+use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::{Candidate, Cause, Pulsation, compared, read_off, regions, search};
 use crate::identification::effects::Hypothesis;
 use crate::identification::fit::Run;
@@ -24,6 +25,10 @@ const MAX_SEARCH_ROUNDS: usize = 4;
 const MAX_RECONSIDERING_ROUNDS: usize = 2;
 /// Part of the progress of the search that falls to finding the causes, before they are reconsidered.
 const FINDING_PROGRESS_SHARE: f64 = 0.7;
+
+/// A function that returns `true` if a machine file has another family of controls than its machine; it calls its argument
+/// with the completed part, 0 to 1.
+pub type FamilyCheck<'a> = dyn FnMut(&mut dyn FnMut(f64)) -> bool + 'a;
 
 /// The causes that leave time along the path.
 #[derive(Default)]
@@ -42,11 +47,14 @@ pub struct InTime {
 }
 
 impl InTime {
-    /// Returns all causes of time that the search finds on a machine.
+    /// Returns all causes of time that the search finds on a machine. If the machine file was never checked and the first
+    /// cause leaves lost time, the search asks `is_of_other_family` whether the file has the wrong family: no cause turns one
+    /// family into another.
     pub fn searched(
         start: &Machine,
         runs: &[Run],
         library: &mut Vec<Hypothesis>,
+        is_of_other_family: &mut FamilyCheck,
         progress: &mut dyn FnMut(f64),
     ) -> InTime {
         let excerpts = excerpts(runs, DIAGNOSIS_WINDOWS_S);
@@ -57,7 +65,7 @@ impl InTime {
         let (read_off, first) = read_off::read_off(start, &looked, library);
         let base = with_all(start, &candidates(&read_off));
         let mut search = CauseSearch { start, base: &base, looked: &looked, first: &first, progress };
-        let mut named = search.causes(library);
+        let mut named = search.causes(library, is_of_other_family);
         // What a search finds beside a pace that pulsates, and goes on to, is a part of that.
         let seen = |machine: &Machine| Pulsation::seen(&compared(machine, runs), runs);
         let mut pulsation = seen(&with_all(&base, &candidates(&named)));
@@ -113,17 +121,27 @@ struct CauseSearch<'a> {
 }
 
 impl CauseSearch<'_> {
-    /// Returns the causes that a library offers and that pass every test.
-    fn causes(&mut self, library: &[Hypothesis]) -> Vec<AcceptedCause> {
+    /// Returns the causes that a library offers and that pass every test; none but those read off if the machine file has
+    /// the wrong family, as in [`InTime::searched`].
+    fn causes(&mut self, library: &[Hypothesis], is_of_other_family: &mut FamilyCheck) -> Vec<AcceptedCause> {
         let CauseSearch { start, base, looked, first, progress } = self;
         let (runs, mut named) = (looked.whole, first.to_vec());
         for round in 0..MAX_SEARCH_ROUNDS {
+            let with = with_all(base, &candidates(&named));
             // A cause of lost time within the error of the model would only imitate that error.
-            if !is_worth_a_search(start, &with_all(base, &candidates(&named)), runs, !named.is_empty()) {
+            if describes_another_machine(start, &named)
+                || !is_worth_a_search(start, &with, runs, !named.is_empty())
+            {
                 break;
             }
-            let mut progress =
-                |part| progress(FINDING_PROGRESS_SHARE * (round as f64 + part) / MAX_SEARCH_ROUNDS as f64);
+            let completed =
+                |part: f64| FINDING_PROGRESS_SHARE * (round as f64 + part) / MAX_SEARCH_ROUNDS as f64;
+            let is_asked = round == 1 && Standing::of(start) == Standing::Unchecked;
+            if is_asked && is_of_other_family(&mut |part| progress(completed(0.5 * part))) {
+                return first.to_vec();
+            }
+            let begun = if is_asked { 0.5 } else { 0.0 };
+            let mut progress = |part| progress(completed(begun + (1.0 - begun) * part));
             let Some(all) = search::with_next(base, looked, library, &named, &mut progress) else { break };
             named = all;
         }

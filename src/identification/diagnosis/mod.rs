@@ -51,8 +51,10 @@ use crate::identification::diagnosis::cause::candidates;
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::form::Forms;
 use crate::identification::diagnosis::gates::HeldOut;
-use crate::identification::diagnosis::in_time::InTime;
-use crate::identification::diagnosis::model_error::{MAX_CHANGED_SETTINGS, is_of_machine, is_worth_a_search};
+use crate::identification::diagnosis::in_time::{FamilyCheck, InTime};
+use crate::identification::diagnosis::model_error::{
+    MAX_CHANGED_SETTINGS, is_of_machine, is_other_family, is_worth_a_search,
+};
 use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::verdict::{Left, MAX_SILENT_PART};
 use crate::identification::effects::{self, Effect, Hypothesis, Nature, library};
@@ -145,21 +147,20 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     let Some(shown) = shown else {
         return Diagnosis { elsewhere: *elsewhere, ..diagnose_on(machine, runs, progress) };
     };
-    let own = diagnose_as_it_is(&shown, Some(machine), runs, progress);
+    let own = diagnose_as_it_is(&shown, Some(machine), runs, &mut |_| false, progress);
     let message = "this program shows accelerations, velocities or times of M words that the calibration had to assume or took too low, so Truefeed took them from the recording first; changes by that are not causes";
-    Diagnosis {
-        elsewhere: *elsewhere,
-        before: compared(machine, runs),
-        form: Forms::of(machine, runs).error(machine).zip(own.form).map(|(before, after)| (before, after.1)),
-        messages: [message.to_string()].into_iter().chain(own.messages).collect(),
-        calibrated: Some(shown),
-        ..own
-    }
+    Diagnosis { elsewhere: *elsewhere, ..own.after_calibration(machine, runs, shown, message) }
 }
 
 /// Diagnoses runs against a machine that states the error it may have on them; see [`diagnose`].
 fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
-    let as_it_is = diagnose_as_it_is(machine, None, runs, &mut |part| progress(0.5 * part));
+    let mut calibrated_first: Option<CalibratedFirst> = None;
+    let mut is_of_other_family = |progress: &mut dyn FnMut(f64)| {
+        let first = calibrated_first.insert(CalibratedFirst::of(machine, runs, progress));
+        first.has_other_family(machine, runs)
+    };
+    let as_it_is =
+        diagnose_as_it_is(machine, None, runs, &mut is_of_other_family, &mut |part| progress(0.5 * part));
     let of_machine = as_it_is.causes.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
     let is_story = || {
         MAX_CHANGED_SETTINGS < of_machine
@@ -170,11 +171,8 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
         progress(1.0);
         return as_it_is;
     }
-    let calibration = calibrate(machine, runs, &mut |part| progress(0.5 + 0.25 * part));
-    let mut calibrated = calibration.machine.clone();
-    calibrated.cycle_time_error = Some(calibration.worst_error(|comparison| comparison.whole));
-    ModelError::of(&calibrated, runs).keep_in(&mut calibrated);
-    let own = diagnose_as_it_is(&calibrated, Some(machine), runs, &mut |part| progress(0.75 + 0.25 * part));
+    let first = calibrated_first
+        .unwrap_or_else(|| CalibratedFirst::of(machine, runs, &mut |part| progress(0.5 + 0.5 * part)));
     progress(1.0);
     let recorded: f64 = as_it_is.after.iter().map(|comparison| comparison.whole.recorded).sum();
     // If the causes leave that much time, the file is wrong even with them, and a calibration that leaves less is better.
@@ -182,25 +180,65 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     let is_of_time = |cause: &Cause| cause.candidate.hypothesis.effect.nature != Nature::Drive;
     let is_misfit = as_it_is.causes.iter().any(is_of_time) && MAX_SILENT_PART * recorded < as_it_is.left.0;
     let max_ratio = if is_misfit { 1.0 } else { MAX_CALIBRATED_LOST_RATIO };
-    if max_ratio * as_it_is.left.0 < own.left.0 {
-        return as_it_is;
+    if max_ratio * as_it_is.left.0 < first.own.left.0 { as_it_is } else { first.diagnosis(machine, runs) }
+}
+
+/// A machine calibrated from the runs, with the diagnosis of the runs on it.
+struct CalibratedFirst {
+    machine: Machine,
+    own: Diagnosis,
+}
+
+impl CalibratedFirst {
+    fn of(file: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> CalibratedFirst {
+        let calibration = calibrate(file, runs, &mut |part| progress(0.5 * part));
+        let mut machine = calibration.machine.clone();
+        machine.cycle_time_error = Some(calibration.worst_error(|comparison| comparison.whole));
+        ModelError::of(&machine, runs).keep_in(&mut machine);
+        let own = diagnose_as_it_is(&machine, Some(file), runs, &mut |_| false, &mut |part| {
+            progress(0.5 + 0.5 * part)
+        });
+        CalibratedFirst { machine, own }
     }
-    let message = "the machine file does not describe this machine, so Truefeed calibrated it from the recording first; changes by that calibration are not causes";
-    Diagnosis {
-        before: as_it_is.before,
-        form: as_it_is.form.zip(own.form).map(|(before, after)| (before.0, after.1)),
-        messages: [message.to_string()].into_iter().chain(own.messages).collect(),
-        calibrated: Some(calibrated),
-        ..own
+
+    /// Returns `true` if the calibration found a control of another family than the file has and leaves nothing to search.
+    fn has_other_family(&self, file: &Machine, runs: &[Run]) -> bool {
+        is_other_family(file, &self.machine) && !is_worth_a_search(file, &self.own.machine, runs, false)
+    }
+
+    /// Returns the diagnosis of the file.
+    fn diagnosis(self, file: &Machine, runs: &[Run]) -> Diagnosis {
+        let message = "the machine file does not describe this machine, so Truefeed calibrated it from the recording first; changes by that calibration are not causes";
+        self.own.after_calibration(file, runs, self.machine, message)
+    }
+}
+
+impl Diagnosis {
+    /// Returns the diagnosis of a machine file that was calibrated from the runs first, with a message that says so.
+    fn after_calibration(
+        self,
+        file: &Machine,
+        runs: &[Run],
+        calibrated: Machine,
+        message: &str,
+    ) -> Diagnosis {
+        Diagnosis {
+            before: compared(file, runs),
+            form: Forms::of(file, runs).error(file).zip(self.form).map(|(before, after)| (before, after.1)),
+            messages: [message.to_string()].into_iter().chain(self.messages).collect(),
+            calibrated: Some(calibrated),
+            ..self
+        }
     }
 }
 
 /// Diagnoses runs against a machine, however much lost time remains, without a calibration first. If the machine was
-/// already calibrated from the runs, `file` is the machine before that.
+/// already calibrated from the runs, `file` is the machine before that. For `is_of_other_family` see [`InTime::searched`].
 fn diagnose_as_it_is(
     machine: &Machine,
     file: Option<&Machine>,
     runs: &[Run],
+    is_of_other_family: &mut FamilyCheck,
     progress: &mut dyn FnMut(f64),
 ) -> Diagnosis {
     let mut library = library(machine, runs);
@@ -213,7 +251,9 @@ fn diagnose_as_it_is(
     progress(0.1);
     let is_in_time = drives.causes.is_empty();
     let in_time = match is_in_time {
-        true => InTime::searched(&start, runs, &mut library, &mut |part| progress(0.1 + 0.7 * part)),
+        true => InTime::searched(&start, runs, &mut library, is_of_other_family, &mut |part| {
+            progress(0.1 + 0.7 * part)
+        }),
         false => InTime::default(),
     };
     let base = with_all(&start, &candidates(&in_time.read_off));
@@ -230,15 +270,7 @@ fn diagnose_as_it_is(
     let (before, after) = (compared(machine, runs), compared(&fitted, runs));
     let form = forms.error(machine).zip(forms_with_time.error(&fitted));
     let mut causes = in_time.causes(&start, &drives.causes, &fitted, runs);
-    causes.extend(drives.causes.iter().map(|candidate| Cause {
-        candidate: candidate.clone(),
-        seconds: 0.0,
-        form: drives.removed(),
-        lines: regions::all_lines(runs),
-        confidence: drives.removed_part(),
-        alike: Vec::new(),
-        held_out: None,
-    }));
+    causes.extend(drives.as_causes(runs));
     let steps = file.map_or((machine, None), |file| (file, Some(machine)));
     let accounts = accounted(steps, &mut causes, runs, &after);
     let (regions, rest) = (located(&before, runs, machine), located(&after, runs, &fitted));

@@ -104,9 +104,17 @@ pub fn is_of_machine(candidate: &Candidate) -> bool {
     matches!(candidate.hypothesis.effect.nature, Nature::Limit | Nature::Setting)
 }
 
+/// Returns `true` if a machine file was never checked and the named causes change as many of its limits and settings as
+/// change at once. A file that needs further changes describes another machine, which a calibration finds sooner than a
+/// search.
+pub fn describes_another_machine(start: &Machine, named: &[AcceptedCause]) -> bool {
+    let of_machine = named.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
+    Standing::of(start) == Standing::Unchecked && MAX_CHANGED_SETTINGS <= of_machine
+}
+
 /// Returns `true` if causes turn the control of a machine into one of another family: no change of a machine does that, so
 /// its file has the wrong family.
-fn is_other_family(start: &Machine, with_causes: &Machine) -> bool {
+pub fn is_other_family(start: &Machine, with_causes: &Machine) -> bool {
     start.has_filters() != with_causes.has_filters()
 }
 

@@ -43,7 +43,11 @@ pub fn with_next(
     let Prospects { fine, mut refined } =
         Prospects::of(base, looked, library, &before, &mut |part| progress(0.7 * part))?;
     progress(0.85);
-    let partner = if named.is_empty() { put_best_of_pairs_first(base, &fine, &mut refined) } else { None };
+    let mut of_pairs = |part: f64| progress(0.85 + 0.1 * part);
+    let partner = match named {
+        [] => put_best_of_pairs_first(base, &fine, &mut refined, &mut of_pairs),
+        _ => None,
+    };
     progress(0.95);
     if named.is_empty()
         && let Some(both) = awaited_stops_first(base, looked, &fine, refined.first().map(|(best, _)| best))
@@ -194,25 +198,30 @@ fn put_best_of_pairs_first(
     base: &Machine,
     fine: &Evidence,
     refined: &mut Vec<(Candidate, Vec<Candidate>)>,
+    progress: &mut dyn FnMut(f64),
 ) -> Option<(Candidate, Vec<Candidate>)> {
     let (alone, _) = refined.first()?;
+    let is_pair = |[first, second]: &[usize; 2]| {
+        let [own, other] = [&refined[*first].0.hypothesis, &refined[*second].0.hypothesis];
+        let has_clock = [own, other].iter().any(|one| one.effect == RECORDER_CLOCK);
+        own.effect != other.effect
+            && !own.is_fitted_beside(other)
+            && !other.is_fitted_beside(own)
+            && !has_clock
+    };
+    let all = 0..refined.len();
+    let pairs = all.clone().flat_map(|first| (first + 1..all.end).map(move |second| [first, second]));
+    let pairs: Vec<[usize; 2]> = pairs.filter(is_pair).collect();
+    let fitted = |at: usize| {
+        let [first, second] = pairs[at].map(|at| &refined[at].0);
+        fine.refined(base, second, std::slice::from_ref(first))
+    };
+    let fitted = side_by_side(pairs.len(), fitted, progress);
     let (mut best, mut partner) = ((0, priced(fine.runs, &[alone])), None);
-    for (at, (first, _)) in refined.iter().enumerate() {
-        for (second, _) in &refined[at + 1..] {
-            let (own, other) = (&first.hypothesis, &second.hypothesis);
-            let has_clock = [own, other].iter().any(|one| one.effect == RECORDER_CLOCK);
-            if own.effect == other.effect
-                || own.is_fitted_beside(other)
-                || other.is_fitted_beside(own)
-                || has_clock
-            {
-                continue;
-            }
-            let (second, first) = fine.refined(base, second, std::slice::from_ref(first));
-            let cost = priced(fine.runs, &[&second, &first[0]]);
-            if cost < best.1 {
-                (best, partner) = ((at, cost), Some((second, first)));
-            }
+    for ([at, _], (second, first)) in pairs.iter().zip(fitted) {
+        let cost = priced(fine.runs, &[&second, &first[0]]);
+        if cost < best.1 {
+            (best, partner) = ((*at, cost), Some((second, first)));
         }
     }
     let first = refined.remove(best.0);
