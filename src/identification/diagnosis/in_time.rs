@@ -26,9 +26,9 @@ const MAX_RECONSIDERING_ROUNDS: usize = 2;
 /// Part of the progress of the search that falls to finding the causes, before they are reconsidered.
 const FINDING_PROGRESS_SHARE: f64 = 0.7;
 
-/// A function that returns `true` if a machine file has another family of controls than its machine; it calls its argument
-/// with the completed part, 0 to 1.
-pub type FamilyCheck<'a> = dyn FnMut(&mut dyn FnMut(f64)) -> bool + 'a;
+/// A function of the machine with the first cause that returns `true` if the machine file has another family of controls than
+/// its machine. It calls its second argument with the completed part, 0 to 1.
+pub type FamilyCheck<'a> = dyn FnMut(&Machine, &mut dyn FnMut(f64)) -> bool + 'a;
 
 /// The causes that leave time along the path.
 #[derive(Default)]
@@ -137,7 +137,7 @@ impl CauseSearch<'_> {
             let completed =
                 |part: f64| FINDING_PROGRESS_SHARE * (round as f64 + part) / MAX_SEARCH_ROUNDS as f64;
             let is_asked = round == 1 && Standing::of(start) == Standing::Unchecked;
-            if is_asked && is_of_other_family(&mut |part| progress(completed(0.5 * part))) {
+            if is_asked && is_of_other_family(&with, &mut |part| progress(completed(0.5 * part))) {
                 return first.to_vec();
             }
             let begun = if is_asked { 0.5 } else { 0.0 };

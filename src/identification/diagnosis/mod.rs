@@ -53,7 +53,7 @@ use crate::identification::diagnosis::form::Forms;
 use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::in_time::{FamilyCheck, InTime};
 use crate::identification::diagnosis::model_error::{
-    MAX_CHANGED_SETTINGS, is_of_machine, is_other_family, is_worth_a_search,
+    MAX_CHANGED_SETTINGS, is_of_machine, is_other_family, is_worth_a_search, lost_time,
 };
 use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::verdict::{Left, MAX_SILENT_PART};
@@ -147,17 +147,19 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     let Some(shown) = shown else {
         return Diagnosis { elsewhere: *elsewhere, ..diagnose_on(machine, runs, progress) };
     };
-    let own = diagnose_as_it_is(&shown, Some(machine), runs, &mut |_| false, progress);
+    let own = diagnose_as_it_is(&shown, Some(machine), runs, &mut |_, _| false, progress);
     let message = "this program shows accelerations, velocities or times of M words that the calibration had to assume or took too low, so Truefeed took them from the recording first; changes by that are not causes";
     Diagnosis { elsewhere: *elsewhere, ..own.after_calibration(machine, runs, shown, message) }
 }
 
 /// Diagnoses runs against a machine that states the error it may have on them; see [`diagnose`].
 fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
-    let mut calibrated_first: Option<CalibratedFirst> = None;
-    let mut is_of_other_family = |progress: &mut dyn FnMut(f64)| {
+    let (mut calibrated_first, mut has_other_family) = (None, false);
+    let mut is_of_other_family = |with_first_cause: &Machine, progress: &mut dyn FnMut(f64)| {
         let first = calibrated_first.insert(CalibratedFirst::of(machine, runs, progress));
-        first.has_other_family(machine, runs)
+        has_other_family = is_other_family(machine, &first.machine)
+            && first.explains_more_than(lost_time(with_first_cause, runs), true);
+        has_other_family
     };
     let as_it_is =
         diagnose_as_it_is(machine, None, runs, &mut is_of_other_family, &mut |part| progress(0.5 * part));
@@ -167,20 +169,21 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
             || !as_it_is.causes.is_empty() && is_worth_a_search(machine, &as_it_is.machine, runs, true)
             || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form
     };
-    if Standing::of(machine) != Standing::Unchecked || as_it_is.pulsation.is_some() || !is_story() {
+    let is_checked = Standing::of(machine) != Standing::Unchecked;
+    if !has_other_family && (is_checked || as_it_is.pulsation.is_some() || !is_story()) {
         progress(1.0);
         return as_it_is;
     }
     let first = calibrated_first
         .unwrap_or_else(|| CalibratedFirst::of(machine, runs, &mut |part| progress(0.5 + 0.5 * part)));
     progress(1.0);
-    let recorded: f64 = as_it_is.after.iter().map(|comparison| comparison.whole.recorded).sum();
-    // If the causes leave that much time, the file is wrong even with them, and a calibration that leaves less is better.
     // Causes of drives do not count: they explain the form of the path and no time.
     let is_of_time = |cause: &Cause| cause.candidate.hypothesis.effect.nature != Nature::Drive;
-    let is_misfit = as_it_is.causes.iter().any(is_of_time) && MAX_SILENT_PART * recorded < as_it_is.left.0;
-    let max_ratio = if is_misfit { 1.0 } else { MAX_CALIBRATED_LOST_RATIO };
-    if max_ratio * as_it_is.left.0 < first.own.left.0 { as_it_is } else { first.diagnosis(machine, runs) }
+    let has_causes = as_it_is.causes.iter().any(is_of_time);
+    if !has_other_family && !first.explains_more_than(as_it_is.left.0, has_causes) {
+        return as_it_is;
+    }
+    first.diagnosis(machine, runs)
 }
 
 /// A machine calibrated from the runs, with the diagnosis of the runs on it.
@@ -195,15 +198,20 @@ impl CalibratedFirst {
         let mut machine = calibration.machine.clone();
         machine.cycle_time_error = Some(calibration.worst_error(|comparison| comparison.whole));
         ModelError::of(&machine, runs).keep_in(&mut machine);
-        let own = diagnose_as_it_is(&machine, Some(file), runs, &mut |_| false, &mut |part| {
+        let own = diagnose_as_it_is(&machine, Some(file), runs, &mut |_, _| false, &mut |part| {
             progress(0.5 + 0.5 * part)
         });
         CalibratedFirst { machine, own }
     }
 
-    /// Returns `true` if the calibration found a control of another family than the file has and leaves nothing to search.
-    fn has_other_family(&self, file: &Machine, runs: &[Run]) -> bool {
-        is_other_family(file, &self.machine) && !is_worth_a_search(file, &self.own.machine, runs, false)
+    /// Returns `true` if the calibration explains more than the machine file, with which this time (s) is lost, with or without
+    /// causes of time. If causes leave much time, the file is wrong even with them, and a calibration that leaves less is
+    /// better.
+    fn explains_more_than(&self, lost: f64, has_causes: bool) -> bool {
+        let recorded: f64 = self.own.after.iter().map(|comparison| comparison.whole.recorded).sum();
+        let is_misfit = has_causes && MAX_SILENT_PART * recorded < lost;
+        let max_ratio = if is_misfit { 1.0 } else { MAX_CALIBRATED_LOST_RATIO };
+        self.own.left.0 <= max_ratio * lost
     }
 
     /// Returns the diagnosis of the file.

@@ -75,6 +75,11 @@ pub fn leaves_much(believed: &Machine, machine: &Machine, runs: &[Run], is_besid
     Remainder::of(machine, runs).asks(believed, runs, is_beside)
 }
 
+/// Returns the lost time that `machine` leaves of the runs, s.
+pub fn lost_time(machine: &Machine, runs: &[Run]) -> f64 {
+    Remainder::of(machine, runs).seconds
+}
+
 /// The lost time that a machine leaves of the runs.
 struct Remainder {
     /// Lost time, s.
