@@ -183,7 +183,7 @@ fn clean_runs(control: &Control) -> Vec<(Toolpath, Recording, PathBuf)> {
 }
 
 /// Calibrated from a generic file on one clean run, each control is found to be what it is, predicts the motion of its
-/// other programs, and leaves nothing to explain of its own run.
+/// other programs, and leaves nothing to explain of its own run. A diagnosis from the generic file finds the same machine.
 #[test]
 fn a_calibration_finds_the_planner_and_predicts_other_programs() {
     let generic = machine_from_toml(GENERIC).expect("a machine file");
@@ -215,6 +215,11 @@ fn a_calibration_finds_the_planner_and_predicts_other_programs() {
         error.keep_in(&mut machine);
         let diagnosis = diagnose(&machine, &run, &mut |_| {});
         assert_eq!(diagnosis.verdict, Verdict::NothingMissing, "{}: {:?}", control.folder, diagnosis.causes);
+        // No cause makes a planner of filters.
+        let first = diagnose(&generic, &run, &mut |_| {});
+        let calibrated = first.calibrated.as_ref().expect("the preset describes another machine");
+        assert_eq!(calibrated.interpolator.junction, machine.interpolator.junction, "{}", control.folder);
+        assert_eq!(first.verdict, Verdict::NothingMissing, "{}: {:?}", control.folder, first.causes);
     }
 }
 

@@ -181,6 +181,7 @@ fn cut(run: &Run, distances: &[f64], window: Range<usize>) -> Option<Excerpt> {
     let spins = spins.map(|(first, spin)| (first.saturating_sub(from), *spin));
     let part = Toolpath {
         segments: toolpath.segments.range(from..to).collect(),
+        begins_at: toolpath.begins_at + distances[from],
         dialect: toolpath.dialect,
         path_modes: modes.collect(),
         operations: Vec::new(),

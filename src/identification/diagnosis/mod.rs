@@ -166,6 +166,7 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     let of_machine = as_it_is.causes.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
     let is_story = || {
         MAX_CHANGED_SETTINGS < of_machine
+            || is_other_family(machine, &as_it_is.machine)
             || !as_it_is.causes.is_empty() && is_worth_a_search(machine, &as_it_is.machine, runs, true)
             || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form
     };
@@ -180,6 +181,9 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     // Causes of drives do not count: they explain the form of the path and no time.
     let is_of_time = |cause: &Cause| cause.candidate.hypothesis.effect.nature != Nature::Drive;
     let has_causes = as_it_is.causes.iter().any(is_of_time);
+    // A cause that makes another family of a file is a part of a calibration.
+    has_other_family |=
+        is_other_family(machine, &as_it_is.machine) && is_other_family(machine, &first.machine);
     if !has_other_family && !first.explains_more_than(as_it_is.left.0, has_causes) {
         return as_it_is;
     }

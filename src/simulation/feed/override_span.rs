@@ -37,7 +37,7 @@ pub fn divided(toolpath: &Toolpath, machine: &Machine) -> Option<(Substitute, Ma
     let mut substitute = Substitute::default();
     for (number, segment) in toolpath.segments.iter().enumerate() {
         substitute.take_before(toolpath, number);
-        let begin = distances[number];
+        let begin = toolpath.begins_at + distances[number];
         let cuts = [from - begin, to - begin].map(|cut| cut.clamp(0.0, segment.length));
         let [first, last] = cuts.map(|cut| snapped(cut, segment.length));
         let ratio = overrides.of_feed_within(segment.line.0);
@@ -111,6 +111,24 @@ mod tests {
             }
         }
         assert_eq!(substitute.toolpath.stops.len(), toolpath.stops.len());
+    }
+
+    #[test]
+    fn an_excerpt_has_its_part_of_the_span() {
+        let machine = with(&Machine::default(), 0.5, (12.0, 50.0));
+        let whole = trace(&read(PROGRAM.as_bytes()), &machine);
+        let excerpt = Toolpath {
+            segments: whole.segments.range(2..whole.segments.len()).collect(),
+            begins_at: whole.distances()[2],
+            ..Toolpath::default()
+        };
+        let parts = |toolpath: &Toolpath| {
+            let (substitute, _) = divided(toolpath, &machine).expect("there is a span");
+            substitute.toolpath.segments.iter().map(|part| (part.motion, part.length)).collect::<Vec<_>>()
+        };
+        let (of_whole, of_excerpt) = (parts(&whole), parts(&excerpt));
+        assert_eq!(of_whole[of_whole.len() - of_excerpt.len()..], of_excerpt);
+        assert_eq!(of_excerpt.len(), excerpt.segments.len() + 1);
     }
 
     #[test]

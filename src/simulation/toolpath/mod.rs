@@ -192,6 +192,8 @@ pub struct Stop {
 pub struct Toolpath {
     /// The moves; each begins where the one before ends.
     pub segments: Segments,
+    /// Distance along the program at which the first move begins, mm: 0 for a whole program, more for an excerpt of one.
+    pub begins_at: f64,
     /// The control the program was read for.
     pub dialect: Dialect,
     /// The stops, by ascending `after`; those with the same `after` in program order.
