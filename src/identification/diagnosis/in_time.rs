@@ -13,7 +13,7 @@ use crate::identification::diagnosis::evidence::{Looked, with_all};
 use crate::identification::diagnosis::model_error::{
     describes_another_machine, doubt_of_law, is_of_machine, is_worth_a_search, without_story,
 };
-use crate::identification::diagnosis::standing::Standing;
+use crate::identification::diagnosis::search::FamilyCheck;
 use crate::identification::diagnosis::{Candidate, Cause, Pulsation, compared, read_off, regions, search};
 use crate::identification::effects::Hypothesis;
 use crate::identification::fit::Run;
@@ -25,10 +25,6 @@ const MAX_SEARCH_ROUNDS: usize = 4;
 const MAX_RECONSIDERING_ROUNDS: usize = 2;
 /// Part of the progress of the search that falls to finding the causes, before they are reconsidered.
 const FINDING_PROGRESS_SHARE: f64 = 0.7;
-
-/// A function of the machine with the first cause that returns `true` if the machine file has another family of controls than
-/// its machine. It calls its second argument with the completed part, 0 to 1.
-pub type FamilyCheck<'a> = dyn FnMut(&Machine, &mut dyn FnMut(f64)) -> bool + 'a;
 
 /// The causes that leave time along the path.
 #[derive(Default)]
@@ -47,9 +43,8 @@ pub struct InTime {
 }
 
 impl InTime {
-    /// Returns all causes of time that the search finds on a machine. If the machine file was never checked and the first
-    /// cause leaves lost time, the search asks `is_of_other_family` whether the file has the wrong family: no cause turns one
-    /// family into another.
+    /// Returns all causes of time that the search finds on a machine, until `is_of_other_family` says that its file has the
+    /// wrong family: no cause turns one family into another.
     pub fn searched(
         start: &Machine,
         runs: &[Run],
@@ -121,8 +116,7 @@ struct CauseSearch<'a> {
 }
 
 impl CauseSearch<'_> {
-    /// Returns the causes that a library offers and that pass every test; none but those read off if the machine file has
-    /// the wrong family, as in [`InTime::searched`].
+    /// Returns the causes that a library offers and that pass every test; see [`InTime::searched`].
     fn causes(&mut self, library: &[Hypothesis], is_of_other_family: &mut FamilyCheck) -> Vec<AcceptedCause> {
         let CauseSearch { start, base, looked, first, progress } = self;
         let (runs, mut named) = (looked.whole, first.to_vec());
@@ -134,15 +128,11 @@ impl CauseSearch<'_> {
             {
                 break;
             }
-            let completed =
-                |part: f64| FINDING_PROGRESS_SHARE * (round as f64 + part) / MAX_SEARCH_ROUNDS as f64;
-            let is_asked = round == 1 && Standing::of(start) == Standing::Unchecked;
-            if is_asked && is_of_other_family(&with, &mut |part| progress(completed(0.5 * part))) {
-                return first.to_vec();
-            }
-            let begun = if is_asked { 0.5 } else { 0.0 };
-            let mut progress = |part| progress(completed(begun + (1.0 - begun) * part));
-            let Some(all) = search::with_next(base, looked, library, &named, &mut progress) else { break };
+            let mut progress =
+                |part| progress(FINDING_PROGRESS_SHARE * (round as f64 + part) / MAX_SEARCH_ROUNDS as f64);
+            let all =
+                search::with_next(base, looked, library, &named, &mut *is_of_other_family, &mut progress);
+            let Some(all) = all else { break };
             named = all;
         }
         named = search::without_unnecessary(base, looked, named);

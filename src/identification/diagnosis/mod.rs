@@ -51,10 +51,11 @@ use crate::identification::diagnosis::cause::candidates;
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::form::Forms;
 use crate::identification::diagnosis::gates::HeldOut;
-use crate::identification::diagnosis::in_time::{FamilyCheck, InTime};
+use crate::identification::diagnosis::in_time::InTime;
 use crate::identification::diagnosis::model_error::{
     MAX_CHANGED_SETTINGS, is_of_machine, is_other_family, is_worth_a_search, lost_time,
 };
+use crate::identification::diagnosis::search::FamilyCheck;
 use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::verdict::{Left, MAX_SILENT_PART};
 use crate::identification::effects::{self, Effect, Hypothesis, Nature, library};
@@ -154,11 +155,18 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
 
 /// Diagnoses runs against a machine that states the error it may have on them; see [`diagnose`].
 fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
+    let is_checked = Standing::of(machine) != Standing::Unchecked;
     let (mut calibrated_first, mut has_other_family) = (None, false);
-    let mut is_of_other_family = |with_first_cause: &Machine, progress: &mut dyn FnMut(f64)| {
+    let mut is_of_other_family = |with_best_cause: &Machine, progress: &mut dyn FnMut(f64)| {
+        if is_checked
+            || calibrated_first.is_some()
+            || !is_worth_a_search(machine, with_best_cause, runs, true)
+        {
+            return has_other_family;
+        }
         let first = calibrated_first.insert(CalibratedFirst::of(machine, runs, progress));
         has_other_family = is_other_family(machine, &first.machine)
-            && first.explains_more_than(lost_time(with_first_cause, runs), true);
+            && first.explains_more_than(lost_time(with_best_cause, runs), true);
         has_other_family
     };
     let as_it_is =
@@ -170,7 +178,6 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
             || !as_it_is.causes.is_empty() && is_worth_a_search(machine, &as_it_is.machine, runs, true)
             || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form
     };
-    let is_checked = Standing::of(machine) != Standing::Unchecked;
     if !has_other_family && (is_checked || as_it_is.pulsation.is_some() || !is_story()) {
         progress(1.0);
         return as_it_is;

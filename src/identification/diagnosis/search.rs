@@ -30,20 +30,31 @@ const MAX_REPLACING_COST_RATIO: f64 = 0.5;
 /// Most candidates that are refined by least squares.
 const REFINED: usize = 5;
 
+/// A function of the machine with the best candidate that returns `true` if the machine file has another family of controls
+/// than its machine. It calls its second argument with the completed part, 0 to 1.
+pub type FamilyCheck<'a> = dyn FnMut(&Machine, &mut dyn FnMut(f64)) -> bool + 'a;
+
 /// Returns the named causes followed by the next one, all fitted again. `None` if no candidate passes the acceptance
-/// tests.
+/// tests, or if the machine file has the wrong family.
 pub fn with_next(
     base: &Machine,
     looked: &Looked,
     library: &[Hypothesis],
     named: &[AcceptedCause],
+    is_of_other_family: &mut FamilyCheck,
     progress: &mut dyn FnMut(f64),
 ) -> Option<Vec<AcceptedCause>> {
     let before = candidates(named);
     let Prospects { fine, mut refined } =
-        Prospects::of(base, looked, library, &before, &mut |part| progress(0.7 * part))?;
-    progress(0.85);
-    let mut of_pairs = |part: f64| progress(0.85 + 0.1 * part);
+        Prospects::of(base, looked, library, &before, &mut |part| progress(0.4 * part))?;
+    let mut of_check = |part: f64| progress(0.4 + 0.4 * part);
+    if let Some((best, others)) = refined.first()
+        && is_of_other_family(&with_all(base, &together(best, others)), &mut of_check)
+    {
+        return None;
+    }
+    progress(0.8);
+    let mut of_pairs = |part: f64| progress(0.8 + 0.15 * part);
     let partner = match named {
         [] => put_best_of_pairs_first(base, &fine, &mut refined, &mut of_pairs),
         _ => None,
@@ -274,7 +285,7 @@ pub fn reconsidered(
         let mut rest = named.to_vec();
         let former = rest.remove(at).candidate.hypothesis;
         let mut progress = |part| progress((at as f64 + part) / named.len() as f64);
-        let other = with_next(base, looked, library, &rest, &mut progress)?;
+        let other = with_next(base, looked, library, &rest, &mut |_, _| false, &mut progress)?;
         let latter = &other.last()?.candidate.hypothesis;
         if latter.is_same_as(&former) {
             return None;
