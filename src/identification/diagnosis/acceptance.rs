@@ -22,8 +22,8 @@ use crate::identification::diagnosis::speeds::Speeds;
 use crate::identification::diagnosis::verdict::MAX_REMAINING_PART;
 use crate::identification::diagnosis::{Candidate, Evidence, MIN_LOST_TIME_S, regions, standing};
 use crate::identification::effects::{
-    AXIS_VELOCITY_LIMIT, FILTER_TIME_CONSTANT, Hypothesis, MIN_EXPLAINED_SHARE, Nature, RAPID_OVERRIDE,
-    UNEQUAL_FILTERS,
+    AXIS_VELOCITY_LIMIT, FEED_HOLD, FILTER_TIME_CONSTANT, Hypothesis, MIN_EXPLAINED_SHARE, Nature,
+    RAPID_OVERRIDE, UNEQUAL_FILTERS, UNMODELLED_WAIT,
 };
 use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::Machine;
@@ -48,6 +48,8 @@ const MAX_DIFFERENCE_SHARE_ELSEWHERE: f64 = 0.1;
 /// Largest difference of their costs, as a part of the gain of the better one, that feedrates which are closer with the
 /// other outweigh.
 const MAX_CONTRADICTED_SHARE: f64 = 0.1;
+/// Least part of the gain of a wait that a feed hold at the same place has on a planner, whose ramps it lacks.
+const MIN_HOLD_GAIN_SHARE: f64 = 0.5;
 /// Largest difference, as a ratio, between a setting and the believed one at which the setting counts as unchanged.
 /// Overrides and the clock ratio need no such range: their believed value is exactly 1.
 const MAX_UNCHANGED_RATIO: f64 = 6e-3;
@@ -140,6 +142,14 @@ fn alike(
         let (other, others) = last.refined(base, other, others);
         let apart = other.cost - candidate.cost;
         if apart < MAX_ALIKE_COST * dispersion {
+            return true;
+        }
+        // A simulated hold interrupts the command at once. Beside a planner, which brakes for a wait, that error decides.
+        let effects = [&candidate.hypothesis, &other.hypothesis].map(|own| own.effect);
+        if base.limits_command()
+            && effects == [UNMODELLED_WAIT, FEED_HOLD]
+            && apart < (1.0 - MIN_HOLD_GAIN_SHARE) * gain
+        {
             return true;
         }
         let rival = with_all(base, &together(&other, &others));

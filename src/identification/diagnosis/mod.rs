@@ -65,8 +65,8 @@ use crate::simulation::ordered::sort_by_number;
 
 /// Least lost time that a cause must explain, s; less may remain unexplained without a remark.
 const MIN_LOST_TIME_S: f64 = 0.015;
-/// Largest ratio of the lost time that remains after a calibration to that which remains without it; above it the
-/// calibration explains no more than the machine file.
+/// Largest ratio of two lost times, that which remains after a calibration and that which remains without it, at which one of
+/// the two explains much more than the other.
 const MAX_CALIBRATED_LOST_RATIO: f64 = 0.5;
 
 /// The result of a diagnosis in one word.
@@ -166,7 +166,7 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
         }
         let first = calibrated_first.insert(CalibratedFirst::of(machine, runs, progress));
         has_other_family = is_other_family(machine, &first.machine)
-            && first.explains_more_than(lost_time(with_best_cause, runs), true);
+            && first.stands_against(lost_time(with_best_cause, runs), true);
         has_other_family
     };
     let as_it_is =
@@ -191,7 +191,7 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     // A cause that makes another family of a file is a part of a calibration.
     has_other_family |=
         is_other_family(machine, &as_it_is.machine) && is_other_family(machine, &first.machine);
-    if !has_other_family && !first.explains_more_than(as_it_is.left.0, has_causes) {
+    if !has_other_family && !first.stands_against(as_it_is.left.0, has_causes) {
         return as_it_is;
     }
     first.diagnosis(machine, runs)
@@ -215,13 +215,13 @@ impl CalibratedFirst {
         CalibratedFirst { machine, own }
     }
 
-    /// Returns `true` if the calibration explains more than the machine file, with which this time (s) is lost, with or without
-    /// causes of time. If causes leave much time, the file is wrong even with them, and a calibration that leaves less is
-    /// better.
-    fn explains_more_than(&self, lost: f64, has_causes: bool) -> bool {
+    /// Returns `true` if the calibration stands in place of the machine file, with which this time (s) is lost, with or without
+    /// causes of time. If causes leave much time, the file is wrong even with them: then it must explain much more than the
+    /// calibration, and otherwise the calibration much more than the file.
+    fn stands_against(&self, lost: f64, has_causes: bool) -> bool {
         let recorded: f64 = self.own.after.iter().map(|comparison| comparison.whole.recorded).sum();
         let is_misfit = has_causes && MAX_SILENT_PART * recorded < lost;
-        let max_ratio = if is_misfit { 1.0 } else { MAX_CALIBRATED_LOST_RATIO };
+        let max_ratio = if is_misfit { 1.0 / MAX_CALIBRATED_LOST_RATIO } else { MAX_CALIBRATED_LOST_RATIO };
         self.own.left.0 <= max_ratio * lost
     }
 
