@@ -166,7 +166,7 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
         }
         let first = calibrated_first.insert(CalibratedFirst::of(machine, runs, progress));
         has_other_family = is_other_family(machine, &first.machine)
-            && first.stands_against(lost_time(with_best_cause, runs), true);
+            && first.replaces_file(lost_time(with_best_cause, runs), true);
         has_other_family
     };
     let as_it_is =
@@ -191,7 +191,7 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     // A cause that makes another family of a file is a part of a calibration.
     has_other_family |=
         is_other_family(machine, &as_it_is.machine) && is_other_family(machine, &first.machine);
-    if !has_other_family && !first.stands_against(as_it_is.left.0, has_causes) {
+    if !has_other_family && !first.replaces_file(as_it_is.left.0, has_causes) {
         return as_it_is;
     }
     first.diagnosis(machine, runs)
@@ -215,10 +215,10 @@ impl CalibratedFirst {
         CalibratedFirst { machine, own }
     }
 
-    /// Returns `true` if the calibration stands in place of the machine file, with which this time (s) is lost, with or without
+    /// Returns `true` if the calibration replaces the machine file, with which this time (s) is lost, with or without
     /// causes of time. If causes leave much time, the file is wrong even with them: then it must explain much more than the
     /// calibration, and otherwise the calibration much more than the file.
-    fn stands_against(&self, lost: f64, has_causes: bool) -> bool {
+    fn replaces_file(&self, lost: f64, has_causes: bool) -> bool {
         let recorded: f64 = self.own.after.iter().map(|comparison| comparison.whole.recorded).sum();
         let is_misfit = has_causes && MAX_SILENT_PART * recorded < lost;
         let max_ratio = if is_misfit { 1.0 / MAX_CALIBRATED_LOST_RATIO } else { MAX_CALIBRATED_LOST_RATIO };
