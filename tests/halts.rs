@@ -187,18 +187,20 @@ fn a_wait_before_a_line_is_not_a_feed_hold() {
     assert_alone(&machine, ("unmodelled_wait", 14, 0.9));
 }
 
-/// Four rows of blocks of a millimetre.
-fn short_blocks() -> String {
-    let rows = |row: u32| (1..40).map(move |x| format!("G1 X{x} Y{} F1500\n", 3.0 * f64::from(row)));
+/// Four rows of so many blocks of a length, mm.
+fn short_blocks(count: u32, length: f64, feed: u32) -> String {
+    let block = move |row: u32, x: u32| format!("G1 X{:.1} Y{} F{feed}\n", length * f64::from(x), 3 * row);
+    let rows = |row: u32| (1..=count).map(move |x| block(row, x));
     format!("G21 G90\nG0 X0 Y0\n{}", (0..4).flat_map(rows).collect::<String>())
 }
 
 /// In blocks of a millimetre, one hold of 25 rests within 0.02 mm of an end by chance: no proof of a wait there.
 #[test]
 fn a_hold_that_rests_at_the_end_of_a_short_block_is_not_told_from_a_wait() {
-    let diagnosis = aligned_on(&short_blocks(), &held(&[(60, 0.8, 0.995)]), |toolpath, alignment| {
-        diagnosed_as_aligned(&Machine::default(), toolpath, &alignment)
-    });
+    let diagnosis =
+        aligned_on(&short_blocks(39, 1.0, 1500), &held(&[(60, 0.8, 0.995)]), |toolpath, alignment| {
+            diagnosed_as_aligned(&Machine::default(), toolpath, &alignment)
+        });
     assert_unseparable(&diagnosis);
 }
 
@@ -209,9 +211,7 @@ fn a_wait_between_short_blocks_of_a_planner_is_not_told_from_a_hold() {
     machine.become_planner(Planner::AccelerationBlend, 130.0);
     let mut halted = machine.clone();
     halted.halts.waits = [(160, 2.0)].into();
-    let row = |row: u32| (1..100).map(move |x| format!("G1 X{:.1} Y{} F3000\n", 0.4 * f64::from(x), 3 * row));
-    let program = format!("G21 G90\nG0 X0 Y0\n{}", (0..4).flat_map(row).collect::<String>());
-    let diagnosis = aligned_on(&program, &halted, |toolpath, alignment| {
+    let diagnosis = aligned_on(&short_blocks(99, 0.4, 3000), &halted, |toolpath, alignment| {
         diagnosed_as_aligned(&machine, toolpath, &alignment)
     });
     assert_unseparable(&diagnosis);

@@ -182,8 +182,8 @@ fn clean_runs(control: &Control) -> Vec<(Toolpath, Recording, PathBuf)> {
     clean.map(read_run).collect()
 }
 
-/// Calibrated from a generic file on one clean run, each control is found to be what it is, predicts the motion of its
-/// other programs, and leaves nothing to explain of its own run. A diagnosis from the generic file finds the same machine.
+/// A calibration from a generic file on one clean run finds the family of each control. It predicts the motion of the other
+/// programs and explains the run completely. A diagnosis from the generic file finds the same family.
 #[test]
 fn a_calibration_finds_the_planner_and_predicts_other_programs() {
     let generic = machine_from_toml(GENERIC).expect("a machine file");

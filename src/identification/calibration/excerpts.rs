@@ -132,8 +132,8 @@ fn enough(segments: impl Iterator<Item = Segment>) -> usize {
     segments.take(MARGIN_SEGMENTS).take_while(|segment| is_missing(segment)).count()
 }
 
-/// Returns a window of marks as a separate run with its margins; `None` without marks or segments. `distances` are those of the
-/// toolpath, mm.
+/// Cuts a window of marks with its margins out of a run. `distances` holds the distance along the path before each segment,
+/// mm. Returns `None` if the window contains no marks or no segments.
 fn cut(run: &Run, distances: &[f64], window: Range<usize>) -> Option<Excerpt> {
     let Run { toolpath, alignment, overrides } = run;
     let marks = &alignment.marks[window];

@@ -479,7 +479,7 @@ mod tests {
         assert!((typical - 2.01).abs() < 0.03, "{typical}");
     }
 
-    /// Squares with sides of 4 s, after a plunge of Z, for 400 s.
+    /// Squares with sides of 4 s, after a plunge of Z, for 800 s.
     #[test]
     fn drives_respond_near_windows_as_to_the_whole_profile() {
         let mut machine = Machine::default();
@@ -487,21 +487,16 @@ mod tests {
         machine.axes[1].mode = Some(StructuralMode { frequency: 12.0, damping: 0.05 });
         machine.axes[1].backlash = 0.03;
         machine.axes[2].backlash = 0.05;
-        let program = format!("G1 F600\nZ-3\n{}", "X40\nY40\nX0\nY0\n".repeat(25));
+        let program = format!("G1 F600\nZ-3\n{}", "X40\nY40\nX0\nY0\n".repeat(50));
         let toolpath = trace(&read(program.as_bytes()), &machine);
         let samples = ContourDeviation::samples(&toolpath, &simulate(&toolpath, &machine));
         let fix = |at: u32| Fix { time: 0.02 * f64::from(at), distance: 0.0, sample: None };
-        let fixes: Vec<Fix> = (0..20_000).map(fix).collect();
+        let fixes: Vec<Fix> = (0..40_000).map(fix).collect();
         let spans = windows(&fixes).into_iter().map(|own| fixes[own.start].time..fixes[own.end - 1].time);
         let spans: Vec<Range<f64>> = spans.collect();
         assert_eq!(spans.len(), WINDOWS);
         let thinned = near(&samples, &spans);
-        assert!(
-            3 * thinned.time.len() < 2 * samples.time.len(),
-            "{} of {} rows",
-            thinned.time.len(),
-            samples.time.len()
-        );
+        assert!(2 * thinned.time.len() < samples.time.len(), "{} rows", thinned.time.len());
         for axis in 0..3 {
             let [whole, near] = [&samples, &thinned].map(|samples| AxisMotion::of(samples, &machine, axis));
             let (mut row, mut near_row) = (0, 0);

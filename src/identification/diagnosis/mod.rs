@@ -53,7 +53,7 @@ use crate::identification::diagnosis::form::Forms;
 use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::in_time::InTime;
 use crate::identification::diagnosis::model_error::{
-    MAX_CHANGED_SETTINGS, is_of_machine, is_other_family, is_worth_a_search, lost_time,
+    MAX_CHANGED_SETTINGS, count_of_machine, is_other_family, is_worth_a_search, lost_time_worth_a_search,
 };
 use crate::identification::diagnosis::search::FamilyCheck;
 use crate::identification::diagnosis::standing::Standing;
@@ -150,7 +150,8 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     };
     let own = diagnose_as_it_is(&shown, Some(machine), runs, &mut |_, _| false, progress);
     let message = "this program shows accelerations, velocities or times of M words that the calibration had to assume or took too low, so Truefeed took them from the recording first; changes by that are not causes";
-    Diagnosis { elsewhere: *elsewhere, ..own.after_calibration(machine, runs, shown, message) }
+    let of_file = (compared(machine, runs), Forms::of(machine, runs).error(machine));
+    Diagnosis { elsewhere: *elsewhere, ..own.after_calibration(of_file, shown, message) }
 }
 
 /// Diagnoses runs against a machine that states the error it may have on them; see [`diagnose`].
@@ -158,20 +159,17 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     let is_checked = Standing::of(machine) != Standing::Unchecked;
     let (mut calibrated_first, mut has_other_family) = (None, false);
     let mut is_of_other_family = |with_best_cause: &Machine, progress: &mut dyn FnMut(f64)| {
-        if is_checked
-            || calibrated_first.is_some()
-            || !is_worth_a_search(machine, with_best_cause, runs, true)
-        {
+        if is_checked || calibrated_first.is_some() {
             return has_other_family;
         }
+        let Some(lost) = lost_time_worth_a_search(machine, with_best_cause, runs, true) else { return false };
         let first = calibrated_first.insert(CalibratedFirst::of(machine, runs, progress));
-        has_other_family = is_other_family(machine, &first.machine)
-            && first.replaces_file(lost_time(with_best_cause, runs), true);
+        has_other_family = is_other_family(machine, &first.machine) && first.replaces_file(lost, true);
         has_other_family
     };
     let as_it_is =
         diagnose_as_it_is(machine, None, runs, &mut is_of_other_family, &mut |part| progress(0.5 * part));
-    let of_machine = as_it_is.causes.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
+    let of_machine = count_of_machine(as_it_is.causes.iter().map(|cause| &cause.candidate));
     let is_story = || {
         MAX_CHANGED_SETTINGS < of_machine
             || is_other_family(machine, &as_it_is.machine)
@@ -194,7 +192,9 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     if !has_other_family && !first.replaces_file(as_it_is.left.0, has_causes) {
         return as_it_is;
     }
-    first.diagnosis(machine, runs)
+    let message = "the machine file does not describe this machine, so Truefeed calibrated it from the recording first; changes by that calibration are not causes";
+    let form = as_it_is.form.map(|(before, _)| before);
+    first.own.after_calibration((as_it_is.before, form), first.machine, message)
 }
 
 /// A machine calibrated from the runs, with the diagnosis of the runs on it.
@@ -224,26 +224,20 @@ impl CalibratedFirst {
         let max_ratio = if is_misfit { 1.0 / MAX_CALIBRATED_LOST_RATIO } else { MAX_CALIBRATED_LOST_RATIO };
         self.own.left.0 <= max_ratio * lost
     }
-
-    /// Returns the diagnosis of the file.
-    fn diagnosis(self, file: &Machine, runs: &[Run]) -> Diagnosis {
-        let message = "the machine file does not describe this machine, so Truefeed calibrated it from the recording first; changes by that calibration are not causes";
-        self.own.after_calibration(file, runs, self.machine, message)
-    }
 }
 
 impl Diagnosis {
-    /// Returns the diagnosis of a machine file that was calibrated from the runs first, with a message that says so.
+    /// Returns the diagnosis of a machine file that was calibrated from the runs first, given the comparisons and the form error
+    /// (mm) of the file itself, with a message that says so.
     fn after_calibration(
         self,
-        file: &Machine,
-        runs: &[Run],
+        (before, form): (Vec<Comparison>, Option<f64>),
         calibrated: Machine,
         message: &str,
     ) -> Diagnosis {
         Diagnosis {
-            before: compared(file, runs),
-            form: Forms::of(file, runs).error(file).zip(self.form).map(|(before, after)| (before, after.1)),
+            before,
+            form: form.zip(self.form).map(|(before, (_, after))| (before, after)),
             messages: [message.to_string()].into_iter().chain(self.messages).collect(),
             calibrated: Some(calibrated),
             ..self

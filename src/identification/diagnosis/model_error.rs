@@ -58,26 +58,32 @@ impl ModelError {
     }
 }
 
-/// Returns `true` if the lost time that `machine` leaves of the runs is worth a search for a cause, or, if `is_beside`,
-/// for a further one beside others. `believed` is the machine without causes.
+/// Returns `true` if the lost time that `machine` leaves of the runs is worth a search, as in [`lost_time_worth_a_search`].
 pub fn is_worth_a_search(believed: &Machine, machine: &Machine, runs: &[Run], is_beside: bool) -> bool {
+    lost_time_worth_a_search(believed, machine, runs, is_beside).is_some()
+}
+
+/// Returns the lost time that `machine` leaves of the runs, s, if it is worth a search for a cause, or, if `is_beside`, for a
+/// further one beside others. `believed` is the machine without causes.
+pub fn lost_time_worth_a_search(
+    believed: &Machine,
+    machine: &Machine,
+    runs: &[Run],
+    is_beside: bool,
+) -> Option<f64> {
     let left = Remainder::of(machine, runs);
-    match Standing::of(believed) {
+    let is_worth = match Standing::of(believed) {
         Standing::Unchecked => MIN_LOST_TIME_S.max(MIN_EXPLAINED_SHARE * left.recorded()) < left.seconds,
         Standing::Describes(_) => left.asks(believed, runs, is_beside),
         Standing::Misses => false,
-    }
+    };
+    is_worth.then_some(left.seconds)
 }
 
 /// Returns `true` if `machine` leaves so much lost time of the runs that it requires a cause, or, if `is_beside`, a
 /// further one beside others. `believed` is the machine without causes.
 pub fn leaves_much(believed: &Machine, machine: &Machine, runs: &[Run], is_beside: bool) -> bool {
     Remainder::of(machine, runs).asks(believed, runs, is_beside)
-}
-
-/// Returns the lost time that `machine` leaves of the runs, s.
-pub fn lost_time(machine: &Machine, runs: &[Run]) -> f64 {
-    Remainder::of(machine, runs).seconds
 }
 
 /// The lost time that a machine leaves of the runs.
@@ -109,12 +115,17 @@ pub fn is_of_machine(candidate: &Candidate) -> bool {
     matches!(candidate.hypothesis.effect.nature, Nature::Limit | Nature::Setting)
 }
 
+/// Returns the number of causes that are a limit or a setting of machine or control.
+pub fn count_of_machine<'a>(causes: impl Iterator<Item = &'a Candidate>) -> usize {
+    causes.filter(|candidate| is_of_machine(candidate)).count()
+}
+
 /// Returns `true` if a machine file was never checked and the named causes change as many of its limits and settings as
 /// change at once. A file that needs further changes describes another machine, which a calibration finds sooner than a
 /// search.
 pub fn describes_another_machine(start: &Machine, named: &[AcceptedCause]) -> bool {
-    let of_machine = named.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
-    Standing::of(start) == Standing::Unchecked && MAX_CHANGED_SETTINGS <= of_machine
+    Standing::of(start) == Standing::Unchecked
+        && MAX_CHANGED_SETTINGS <= count_of_machine(named.iter().map(|cause| &cause.candidate))
 }
 
 /// Returns `true` if causes turn the control of a machine into one of another family: no change of a machine does that, so
@@ -147,7 +158,7 @@ pub fn without_story(
         return named;
     }
     let is_of_machine = |cause: &AcceptedCause| is_of_machine(&cause.candidate);
-    let of_machine = named.iter().filter(|cause| is_of_machine(cause)).count();
+    let of_machine = count_of_machine(named.iter().map(|cause| &cause.candidate));
     let with = with_all(base, &candidates(&named));
     let is_story = MAX_CHANGED_SETTINGS < of_machine || doubt_of_law(start, &with).is_some();
     if is_story || 0 < of_machine && leaves_much(start, &with, runs, true) {

@@ -150,8 +150,7 @@ fn switched(without: &Machine, with: &Machine, run: &Run) -> Vec<u32> {
     }
     let distances = run.toolpath.distances();
     let of_feed = |overrides: &Overrides, at: usize, line: u32| {
-        let (from, to) = overrides.span;
-        let (from, to) = (from - run.toolpath.begins_at, to - run.toolpath.begins_at);
+        let (from, to) = overrides.span_from(run.toolpath.begins_at);
         if from < distances[at + 1] && distances[at] < to { overrides.of_feed(line) } else { 1.0 }
     };
     let in_force = |machine: &Machine, at: usize, segment: &Segment| {

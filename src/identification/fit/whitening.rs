@@ -60,12 +60,12 @@ impl Whitening {
         Whitening { steps: steps.collect(), process_noise: wander, sections: Vec::new() }
     }
 
-    /// Appends the residuals of the sections of a run to those of the marks.
+    /// Adds the sections of the run, whose residuals follow those of the marks.
     pub fn with_sections(self, alignment: &Alignment) -> Whitening {
         self.with_equal_sections(SECTIONS_PER_RUN, alignment)
     }
 
-    /// Appends the residuals of `count` sections of equal duration to those of the marks.
+    /// Divides the run into `count` sections of equal duration and adds them; their residuals follow those of the marks.
     pub fn with_equal_sections(self, count: usize, alignment: &Alignment) -> Whitening {
         let marks = &alignment.marks;
         let Some((first, last)) = marks.first().zip(marks.last()) else { return self };

@@ -30,14 +30,14 @@ pub fn divided(toolpath: &Toolpath, machine: &Machine) -> Option<(Substitute, Ma
     if !overrides.has_span() {
         return None;
     }
-    let (from, to) = overrides.span;
+    let (from, to) = overrides.span_from(toolpath.begins_at);
     // A fit varies the edges one after the other, so that they may cross: then the span is empty.
     let to = to.max(from);
     let distances = toolpath.distances();
     let mut substitute = Substitute::default();
     for (number, segment) in toolpath.segments.iter().enumerate() {
         substitute.take_before(toolpath, number);
-        let begin = toolpath.begins_at + distances[number];
+        let begin = distances[number];
         let cuts = [from - begin, to - begin].map(|cut| cut.clamp(0.0, segment.length));
         let [first, last] = cuts.map(|cut| snapped(cut, segment.length));
         let ratio = overrides.of_feed_within(segment.line.0);

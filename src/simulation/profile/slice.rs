@@ -126,11 +126,10 @@ impl PulseSlice {
         let (sigma, oldest_sigma) = (at(filter.half_delay()), at(filter.delay()));
         let (sin, cos) = (arc.sweep * sigma).sin_cos();
         let widening = (arc.end_radius - arc.start_radius) * rate;
-        let radius = arc.start_radius + (arc.end_radius - arc.start_radius) * sigma;
         Some(EvenTurning {
             rate,
             turning,
-            radius: [radius * gain, -widening * gain * relative_slope],
+            radius: [arc.radius(sigma) * gain, -widening * gain * relative_slope],
             widening: widening * gain,
             direction: [cos, sin],
             sigmas: [oldest_sigma, sigma],
@@ -190,7 +189,7 @@ impl EvenTurning {
     fn arrived(&self, arc: &Arc) -> ArcFrameVector {
         let [oldest, now] = self.sigmas;
         let (sin, cos) = (arc.sweep * oldest).sin_cos();
-        let radius = arc.start_radius + (arc.end_radius - arc.start_radius) * oldest;
+        let radius = arc.radius(oldest);
         let [first, second] = self.turned(self.radius);
         ArcFrameVector([first - radius * cos, second - radius * sin, now - oldest])
     }
@@ -202,7 +201,8 @@ impl EvenTurning {
         ArcFrameVector([first, second, self.rate])
     }
 
-    /// Returns the acceleration without that of the change of the radius, along e1, e2 and the rise, mm/s².
+    /// Returns the components of the acceleration along e1, e2 and the rise, mm/s². They neglect the change of the radius, as
+    /// [`second_derivative_in_plane`](Arc::second_derivative_in_plane) does.
     fn acceleration(&self) -> [f64; 3] {
         let [first, second] = self.turned(self.radius.map(|part| -self.turning * self.turning * part));
         [first, second, 0.0]

@@ -97,10 +97,15 @@ impl Arc {
         0.5 * (self.start_radius + self.end_radius)
     }
 
+    /// Returns the radius at the fraction σ of the arc, mm.
+    pub fn radius(&self, sigma: f64) -> f64 {
+        self.start_radius + (self.end_radius - self.start_radius) * sigma
+    }
+
     /// Returns the position at the fraction σ of the arc, mm.
     fn point(&self, sigma: f64) -> Point {
         let (sin, cos) = (self.sweep * sigma).sin_cos();
-        let radius = self.start_radius + (self.end_radius - self.start_radius) * sigma;
+        let radius = self.radius(sigma);
         self.center + radius * (cos * self.e1 + sin * self.e2) + sigma * self.rise
     }
 
@@ -108,14 +113,14 @@ impl Arc {
     /// the angle turned so far. The component along the rise is 1.
     pub fn derivative_in_plane(&self, sigma: f64, sin: f64, cos: f64) -> [f64; 2] {
         let widening = self.end_radius - self.start_radius;
-        let turning = (self.start_radius + widening * sigma) * self.sweep;
+        let turning = self.radius(sigma) * self.sweep;
         [widening * cos - turning * sin, turning * cos + widening * sin]
     }
 
     /// Returns the components of the second derivative of the position by σ, mm, along e1, e2 and the rise, as
     /// [`derivative_in_plane`](Arc::derivative_in_plane) does. It neglects the change of the radius, as the curvature does.
     pub fn second_derivative_in_plane(&self, sigma: f64, sin: f64, cos: f64) -> [f64; 3] {
-        let radius = self.start_radius + (self.end_radius - self.start_radius) * sigma;
+        let radius = self.radius(sigma);
         let towards_centre = -radius * self.sweep * self.sweep;
         [towards_centre * cos, towards_centre * sin, 0.0]
     }
@@ -124,7 +129,7 @@ impl Arc {
     fn derivative(&self, sigma: f64) -> Vector {
         let (sin, cos) = (self.sweep * sigma).sin_cos();
         let widening = self.end_radius - self.start_radius;
-        let radius = self.start_radius + widening * sigma;
+        let radius = self.radius(sigma);
         radius * self.sweep * (cos * self.e2 - sin * self.e1)
             + widening * (cos * self.e1 + sin * self.e2)
             + self.rise
@@ -151,7 +156,7 @@ impl Arc {
     /// the curvature does.
     fn higher_derivatives(&self, sigma: f64) -> [Vector; 2] {
         let (sin, cos) = (self.sweep * sigma).sin_cos();
-        let radius = self.start_radius + (self.end_radius - self.start_radius) * sigma;
+        let radius = self.radius(sigma);
         [
             -radius * self.sweep.powi(2) * (cos * self.e1 + sin * self.e2),
             radius * self.sweep.powi(3) * (sin * self.e1 - cos * self.e2),
