@@ -357,11 +357,6 @@ impl Overrides {
         self.feed != 1.0 && self.span != Overrides::WHOLE_PATH_BOUNDS_MM
     }
 
-    /// Returns the span along a part of the program, given the distance at which this part begins, mm.
-    pub fn span_from(&self, begin: f64) -> (f64, f64) {
-        (self.span.0 - begin, self.span.1 - begin)
-    }
-
     /// Span of an override that applies to the whole path.
     pub const WHOLE_PATH_BOUNDS_MM: (f64, f64) = (0.0, f64::INFINITY);
 

@@ -148,9 +148,9 @@ fn switched(without: &Machine, with: &Machine, run: &Run) -> Vec<u32> {
     if before.overrides == after.overrides {
         return Vec::new();
     }
-    let distances = run.toolpath.distances();
+    let distances = run.toolpath.distances_in_program();
     let of_feed = |overrides: &Overrides, at: usize, line: u32| {
-        let (from, to) = overrides.span_from(run.toolpath.begins_at);
+        let (from, to) = overrides.span;
         if from < distances[at + 1] && distances[at] < to { overrides.of_feed(line) } else { 1.0 }
     };
     let in_force = |machine: &Machine, at: usize, segment: &Segment| {

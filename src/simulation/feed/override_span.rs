@@ -30,10 +30,10 @@ pub fn divided(toolpath: &Toolpath, machine: &Machine) -> Option<(Substitute, Ma
     if !overrides.has_span() {
         return None;
     }
-    let (from, to) = overrides.span_from(toolpath.begins_at);
+    let (from, to) = overrides.span;
     // A fit varies the edges one after the other, so that they may cross: then the span is empty.
     let to = to.max(from);
-    let distances = toolpath.distances();
+    let distances = toolpath.distances_in_program();
     let mut substitute = Substitute::default();
     for (number, segment) in toolpath.segments.iter().enumerate() {
         substitute.take_before(toolpath, number);

@@ -231,6 +231,12 @@ impl Toolpath {
         [0.0].into_iter().chain(self.ends()).collect()
     }
 
+    /// Returns the distance along the program before each segment, and at the end, mm. It differs from that along the path in
+    /// an excerpt.
+    pub fn distances_in_program(&self) -> Vec<f64> {
+        self.distances().into_iter().map(|distance| self.begins_at + distance).collect()
+    }
+
     /// Returns the distance along the path at the end of each segment, mm.
     pub fn ends(&self) -> impl Iterator<Item = f64> {
         running_sum((0..self.segments.len()).map(|segment| self.segments.length(segment)))
