@@ -262,7 +262,7 @@ pub struct Axis {
     pub rapid: f64,
     /// Largest acceleration, mm/s²; neutral infinite.
     pub acceleration: f64,
-    /// Largest jerk at a corner, mm/s³; neutral infinite.
+    /// Largest jerk at a corner and, without filters, on ramps, mm/s³; neutral infinite.
     pub jerk: f64,
     /// Distance of one step, at multiples of which the control plans the ends of blocks, mm; neutral 0.
     pub step: f64,
@@ -469,6 +469,18 @@ impl Machine {
     /// acceleration plan their ramps by themselves.
     pub fn limits_command(&self) -> bool {
         self.path.limits_command || self.interpolator.junction != Junction::Tolerance
+    }
+
+    /// Returns `true` if ramps have a limited jerk.
+    pub fn limits_jerk(&self) -> bool {
+        self.path.jerk.is_finite() || self.limits_jerk_of_axes()
+    }
+
+    /// Returns `true` if the jerk limits of axes shape ramps: in a planner without filters whose corners have a feedrate.
+    pub fn limits_jerk_of_axes(&self) -> bool {
+        self.axes.iter().any(|axis| axis.jerk.is_finite())
+            && !self.has_filters()
+            && !self.interpolator.junction.blends_in_time()
     }
 }
 

@@ -200,12 +200,12 @@ fn candidates(plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<Candidate
     candidates
 }
 
-/// Returns the nearest machines of a fitted planner with a jerk limit along the path; none if its family blends
-/// corners in time or its jerk is already limited. A fitted acceleration without a jerk limit is the mean of a ramp,
-/// so the first machine has steeper ramps in each axis, and the second one an acceleration of all axes; corners
-/// remain as fast.
+/// Returns the nearest machines of a fitted planner with jerk limits, of the axes or, as its accelerations, along the path;
+/// none if its family blends corners in time or its jerk is already limited. A fitted acceleration without a jerk limit is
+/// the mean of a ramp, so the first machine has steeper ramps in each axis, and the second one an acceleration of all axes;
+/// corners remain as fast.
 pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Machine> {
-    if !has_junction_law(machine) || machine.path.jerk.is_finite() {
+    if !has_junction_law(machine) || machine.limits_jerk() {
         return Vec::new();
     }
     let lowest = machine.axes.map(|axis| axis.acceleration).into_iter().fold(f64::INFINITY, f64::min);
@@ -218,7 +218,7 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
         .map(|ratio| machine.with_scaled_accelerations(ratio).with_scaled_junction(1.0 / ratio));
     let alike = JERK_ACCELERATIONS_MM_S2.map(with_acceleration);
     let near = |of: [Machine; 3]| {
-        let ramps = nearest(of.iter().flat_map(|of| PATH_JERK.guesses_on(of)), runs, whitenings)?;
+        let ramps = nearest(of.iter().flat_map(at_jerks), runs, whitenings)?;
         let corners = nearest(
             JERK_LIMIT_JUNCTION_RATIOS.map(|ratio| ramps.with_scaled_junction(ratio)),
             runs,
@@ -228,6 +228,20 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
         nearest(JERK_CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)), runs, whitenings)
     };
     [steeper, alike].into_iter().filter_map(near).collect()
+}
+
+/// Returns a planner with each jerk from which a calibration begins, the same for all axes, or along the path if its family
+/// limits the acceleration there.
+fn at_jerks(planner: &Machine) -> Vec<Machine> {
+    if !plans_by_deviation(planner) {
+        return PATH_JERK.guesses_on(planner);
+    }
+    let at = |jerk: &f64| {
+        let mut planner = planner.clone();
+        planner.axes.iter_mut().for_each(|axis| axis.jerk = *jerk);
+        planner
+    };
+    PATH_JERK.guesses.iter().map(at).collect()
 }
 
 /// Returns `true` if a planner passes corners at a feedrate that its law gives, as grbl and Klipper do.

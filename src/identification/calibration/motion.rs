@@ -49,6 +49,7 @@ pub fn motion(
                 all.push((parameter.calibrated_around(start, usual), own));
             }
         }
+        all.extend(parameters::AXIS_JERK.into_iter().filter_map(limit));
         let own = (0..3).filter(|axis| !is_limited_as_rapids(guess, *axis, plateaus));
         all.extend(own.filter_map(|axis| limit(parameters::AXIS_VELOCITY[axis])));
         all.extend(limit(parameters::PATH_VELOCITY));

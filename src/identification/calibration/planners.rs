@@ -74,14 +74,13 @@ impl Fitting<'_> {
     fn chosen_planner(&mut self, of_families: Vec<Model>) -> Option<Model> {
         let (with_its_ramps, others): (Vec<Model>, Vec<Model>) =
             of_families.into_iter().partition(|model| self.has_recorded_ramps(model));
-        let [with_its_ramps, other] = [with_its_ramps, others].map(|models| self.nearest_planner(models));
-        match (with_its_ramps, other) {
-            (Some(own), Some(other)) if self.is_nearer_by_far(&other, &own) => {
-                Some(self.with_jerk_limit(other))
-            }
-            (Some(own), _) => Some(own),
-            (None, other) => other.map(|planner| self.with_jerk_limit(planner)),
+        if let Some(own) = self.nearest_planner(with_its_ramps)
+            && !others.iter().any(|other| self.is_nearer_by_far(other, &own))
+        {
+            return Some(own);
         }
+        let limited = others.into_iter().map(|planner| self.with_jerk_limit(planner)).collect();
+        self.nearest_planner(limited)
     }
 
     /// Returns `true` if a planner is by far the nearer of two, both at its own noise and at the noise of the other one.

@@ -160,6 +160,8 @@ macro_rules! parameters_of_axes {
 const ASSUMED_RATIOS: Bounds = Ratios(0.1, 10.0);
 /// Bounds of a limit of an axis in a calibration, as ratios to its value in the machine file or to its guess.
 const AXIS_RATIOS: Bounds = Ratios(0.05, 20.0);
+/// Bounds of the jerk of ramps in a calibration, mm/s³.
+const CALIBRATED_JERKS_MM_S3: Bounds = Values(1e3, 1e6);
 /// Bounds of a time constant in a calibration, s. Shorter filters count as none.
 const CALIBRATED_CONSTANTS_S: Bounds = Values(PLANNER_FILTER_S, 0.5);
 /// Bounds of a tolerance in a hypothesis, mm.
@@ -238,7 +240,7 @@ parameters! {
         .in_calibration(Values(10.0, 1e5)).guessed(&[100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0]);
     /// Jerk limit along the path, mm/s³.
     /// With a jerk of 10 000 m/s³ an acceleration of 10 m/s² takes a millisecond, the cycle of a control, to build up.
-    PATH_JERK = ratio("path.jerk_mm_s3", Values(1e3, 1e7)).in_calibration(Values(1e3, 1e6)).guessed(&[1e4, 3e4, 1e5, 3e5]);
+    PATH_JERK = ratio("path.jerk_mm_s3", Values(1e3, 1e7)).in_calibration(CALIBRATED_JERKS_MM_S3).guessed(&[1e4, 3e4, 1e5, 3e5]);
 
     /// Rapid feedrate along the path, mm/s; as a ratio to the fastest rapid of the machine file.
     RAPID_FEEDRATE = ratio("rapid.feed_mm_min", Ratios(0.02, 10.0));
@@ -280,6 +282,8 @@ parameters! {
 parameters_of_axes! {
     /// Acceleration limit of each axis, mm/s².
     AXIS_ACCELERATION = "acceleration_mm_s2", Values(10.0, 2e5), AXIS_RATIOS;
+    /// Jerk limit of each axis on ramps, mm/s³.
+    AXIS_JERK = "jerk_mm_s3", Values(1e3, 1e7), CALIBRATED_JERKS_MM_S3;
     /// Velocity limit of each axis, mm/s; in a hypothesis as a ratio to the highest programmed velocity.
     AXIS_VELOCITY = "velocity_mm_min", Ratios(1e-3, 2.0), AXIS_RATIOS;
     /// Rapid rate of each axis, mm/s.

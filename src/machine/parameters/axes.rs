@@ -14,7 +14,7 @@ macro_rules! axis {
             row!(concat!("axis.", $name, ".acceleration_mm_s2"), concat!("Acceleration limit ", $name), limit MillimetrePerSecond2 (1.0, 1e6) [axes[$index].acceleration],
                 "Largest acceleration of the axis, on ramps and at corners; empty: no limit."),
             row!(concat!("axis.", $name, ".jerk_mm_s3"), concat!("Jerk limit ", $name), limit MillimetrePerSecond3 (1.0, 1e9) [axes[$index].jerk],
-                "Largest jerk of the axis at corners; empty: no limit."),
+                "Largest jerk of the axis at corners; of a planner without filters, on ramps, as in TinyG. Empty: no limit."),
             row!(concat!("axis.", $name, ".step_mm"), concat!("Step ", $name), value Millimetre (0.0, 1.0) [axes[$index].step] or 0.0,
                 "Distance of one step of a stepping motor. The control plans the ends of blocks at whole steps, so short lines and chords turn by other angles than the program says; grbl: 1/$100 to 1/$102. 0: no steps."),
             row!(concat!("axis.", $name, ".servo_lag_s"), concat!("Servo lag ", $name), value Second (0.0, 1.0) [axes[$index].servo_lag] or 0.0,

@@ -180,6 +180,16 @@ pub fn acceleration(segment: &Segment, machine: &Machine) -> f64 {
     limits.fold(machine.path.acceleration, f64::min)
 }
 
+/// Returns the jerk limit of ramps along a segment, mm/s³.
+pub fn jerk(segment: &Segment, machine: &Machine) -> f64 {
+    if !machine.limits_jerk_of_axes() {
+        return machine.path.jerk;
+    }
+    let share = largest_share(segment);
+    let limits = machine.axes.iter().enumerate().map(|(k, axis)| axis.jerk / share[k]);
+    limits.fold(machine.path.jerk, f64::min)
+}
+
 /// Returns the acceleration limit along a segment if corners are blends, mm/s²: on an arc, that at which the motion in
 /// its plane has the acceleration of the weaker axis, however short the arc.
 pub fn blended_acceleration(segment: &Segment, machine: &Machine) -> f64 {

@@ -16,7 +16,6 @@
 //!
 //! [`block`]: crate::simulation::feed::block
 
-use crate::machine::Machine;
 use crate::simulation::feed::block::{BlockEnd, BlockPart};
 
 /// Number of linear pieces that make a ramp.
@@ -32,10 +31,10 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// Returns the law of a machine whose jerk along the path is limited; `None` if it is not.
+    /// Returns the law of these limits along the path (mm/s³, mm/s²); `None` if the jerk is not limited.
     #[inline]
-    pub fn of(machine: &Machine, acceleration: f64) -> Option<Ramp> {
-        machine.path.jerk.is_finite().then_some(Ramp { jerk: machine.path.jerk, acceleration })
+    pub fn of(jerk: f64, acceleration: f64) -> Option<Ramp> {
+        jerk.is_finite().then_some(Ramp { jerk, acceleration })
     }
 
     /// Returns the time for which the acceleration rises, or falls, within a step of the feedrate (mm/s), s.
@@ -152,7 +151,7 @@ fn largest(mut low: f64, mut high: f64, excess: impl Fn(f64) -> (f64, f64)) -> f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::Planner;
+    use crate::machine::{Machine, Planner};
     use crate::simulation::feed::{Tolerances, command};
     use crate::simulation::gcode::read;
     use crate::simulation::interpreter::trace;

@@ -61,7 +61,7 @@ impl MotionPlanner<'_> {
 
     /// Returns `true` if a corner may be too fast for its neighbours.
     pub(super) fn has_reach(&self) -> bool {
-        self.machine.limits_command() || self.machine.path.jerk != f64::INFINITY
+        self.machine.limits_command() || self.machine.limits_jerk()
     }
 
     /// Returns `true` if the corner law belongs to a planner of trapezoids, which knows blocks one by one.
@@ -83,7 +83,7 @@ impl MotionPlanner<'_> {
         if look_ahead == f64::INFINITY || !self.plans_trapezoids() {
             return;
         }
-        if self.machine.path.jerk.is_finite() {
+        if self.machine.limits_jerk() {
             return self.see_ahead_with_jerk(corners, look_ahead as usize);
         }
         let braked = self.braked();

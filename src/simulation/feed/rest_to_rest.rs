@@ -493,8 +493,12 @@ impl MotionPlanner<'_> {
     /// limited.
     #[inline]
     pub(super) fn ramp(&self, i: usize) -> Option<Ramp> {
-        let ramp = Ramp::of(self.machine, self.acceleration(i))?;
-        (!positioning::applies(&self.segment(i), self.machine)).then_some(ramp)
+        if !self.machine.limits_jerk() {
+            return None;
+        }
+        let segment = self.segment(i);
+        let jerk = limits::jerk(&segment, self.machine);
+        Ramp::of(jerk, self.acceleration(i)).filter(|_| !positioning::applies(&segment, self.machine))
     }
 
     /// Returns a segment of a length (mm) with its feedrate, its feedrate without the tolerance, and the
