@@ -13,7 +13,8 @@ use crate::identification::effects::parameters::{
 };
 use crate::identification::fit::{Run, Whitening};
 use crate::machine::{
-    GRBL_STEP_SEGMENT_S, GRBL_STEP_TIMER_HZ, Junction, KLIPPER_MIN_CRUISE_RATIO, Machine, Planner,
+    CHORD_ERROR_RATIOS, GRBL_STEP_SEGMENT_S, GRBL_STEP_TIMER_HZ, Junction, KLIPPER_MIN_CRUISE_RATIO, Machine,
+    Planner,
 };
 use crate::simulation::ordered::sort_by_number;
 
@@ -257,13 +258,21 @@ pub fn chosen_again(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -
     let others = with_other_blends(machine)
         .into_iter()
         .chain(stepped.iter().flat_map(with_and_without_segments))
-        .chain(with_other_corners(machine));
+        .chain(with_other_corners(machine))
+        .chain(with_other_chords(machine));
     let others: Vec<Machine> = others.filter(|other| other != machine).collect();
     if others.is_empty() {
         return None;
     }
     let ways = [machine.clone()].into_iter().chain(others);
     nearest(ways, runs, whitenings).filter(|other| other != machine)
+}
+
+/// Returns a planner with jerk limits with other chords of arcs, of which each has its own ramps; none if its jerk is not
+/// limited.
+fn with_other_chords(machine: &Machine) -> Vec<Machine> {
+    let ratios = CHORD_ERROR_RATIOS.into_iter().filter(|_| machine.limits_jerk());
+    ratios.map(|ratio| machine.with_scaled_chords(ratio)).collect()
 }
 
 /// Returns a planner with a junction law with other values of that law, and with the initial cruise ratios if its family has

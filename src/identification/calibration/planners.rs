@@ -101,8 +101,7 @@ impl Fitting<'_> {
     fn with_jerk_limit(&mut self, planner: Model) -> Model {
         let starts = families::with_jerk_limits(&planner.best.machine, self.runs(), &planner.whitenings);
         starts.iter().fold(planner, |planner, start| {
-            let (best, whitenings) = self.fit_at_own_noise(start, 1, FTOL);
-            let limited = Model { best, whitenings, order: 1 };
+            let limited = self.planner(start);
             if self.is_nearer(&limited, &planner) { limited } else { planner }
         })
     }
