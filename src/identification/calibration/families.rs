@@ -8,9 +8,7 @@
 use crate::identification::calibration::held_accelerations::HeldAccelerations;
 use crate::identification::calibration::rapids::{RapidPlateaus, RapidRates, limit_feed_as_rapids};
 use crate::identification::calibration::{nearest, nearest_with_cost};
-use crate::identification::effects::parameters::{
-    JUNCTION_RATIOS, MAX_OVERRIDE, PATH_JERK, PLANNER_ACCELERATION,
-};
+use crate::identification::effects::parameters::{JUNCTION_RATIOS, MAX_OVERRIDE, PLANNER_ACCELERATION};
 use crate::identification::fit::{Run, Whitening};
 use crate::machine::{
     CHORD_ERROR_RATIOS, GRBL_STEP_SEGMENT_S, GRBL_STEP_TIMER_HZ, Junction, KLIPPER_MIN_CRUISE_RATIO, Machine,
@@ -21,16 +19,6 @@ use crate::simulation::ordered::sort_by_number;
 /// Initial values of the minimum cruise ratio in fits: Klipper's default, and a small value, because a fit does not free a
 /// ratio of 0.
 const INITIAL_CRUISE_RATIOS: [f64; 2] = [KLIPPER_MIN_CRUISE_RATIO, 0.1];
-/// Factors for the fitted value of the junction law of a planner that gets a jerk limit.
-const JERK_LIMIT_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
-/// Factors for the fitted accelerations of a planner that gets a jerk limit.
-const JERK_LIMIT_ACCELERATION_RATIOS: [f64; 3] = [1.0, 2.0, 4.0];
-/// Accelerations of all axes tried beside each jerk limit, mm/s²; the highest limits no ramp.
-const JERK_ACCELERATIONS_MM_S2: [f64; 3] = [1e4, 1500.0, 500.0];
-/// Factors for the distance between arcs and their chords beside a jerk limit: 0.002, 0.01 and 0.05 mm with grbl's
-/// default.
-const JERK_CHORD_ERROR_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
-
 /// Largest relative difference of the steps of two recordings of one machine.
 const MAX_STEP_DIFFERENCE_RATIO: f64 = 1e-3;
 
@@ -170,7 +158,7 @@ impl Guessing<'_> {
 }
 
 /// Returns the planner with each value of its junction law that a calibration tries.
-fn with_junctions(planner: &Machine) -> Vec<Machine> {
+pub fn with_junctions(planner: &Machine) -> Vec<Machine> {
     JUNCTION_RATIOS.iter().map(|ratio| planner.with_scaled_junction(*ratio)).collect()
 }
 
@@ -201,52 +189,8 @@ fn candidates(plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<Candidate
     candidates
 }
 
-/// Returns the nearest machines of a fitted planner with jerk limits, of the axes or, as its accelerations, along the path;
-/// none if its family blends corners in time or its jerk is already limited. A fitted acceleration without a jerk limit is
-/// the mean of a ramp, so the first machine has steeper ramps in each axis, and the second one an acceleration of all axes;
-/// corners remain as fast.
-pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Machine> {
-    if !has_junction_law(machine) || machine.limits_jerk() {
-        return Vec::new();
-    }
-    let lowest = machine.axes.map(|axis| axis.acceleration).into_iter().fold(f64::INFINITY, f64::min);
-    let with_acceleration = |acceleration: f64| {
-        let mut of = machine.with_scaled_junction(lowest / acceleration);
-        of.axes.iter_mut().for_each(|axis| axis.acceleration = acceleration);
-        of
-    };
-    let steeper = JERK_LIMIT_ACCELERATION_RATIOS
-        .map(|ratio| machine.with_scaled_accelerations(ratio).with_scaled_junction(1.0 / ratio));
-    let alike = JERK_ACCELERATIONS_MM_S2.map(with_acceleration);
-    let near = |of: [Machine; 3]| {
-        let ramps = nearest(of.iter().flat_map(at_jerks), runs, whitenings)?;
-        let corners = nearest(
-            JERK_LIMIT_JUNCTION_RATIOS.map(|ratio| ramps.with_scaled_junction(ratio)),
-            runs,
-            whitenings,
-        )?;
-        // Each chord has its own ramps.
-        nearest(JERK_CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)), runs, whitenings)
-    };
-    [steeper, alike].into_iter().filter_map(near).collect()
-}
-
-/// Returns a planner with each jerk from which a calibration begins, the same for all axes, or along the path if its family
-/// limits the acceleration there.
-fn at_jerks(planner: &Machine) -> Vec<Machine> {
-    if !plans_by_deviation(planner) {
-        return PATH_JERK.guesses_on(planner);
-    }
-    let at = |jerk: &f64| {
-        let mut planner = planner.clone();
-        planner.axes.iter_mut().for_each(|axis| axis.jerk = *jerk);
-        planner
-    };
-    PATH_JERK.guesses.iter().map(at).collect()
-}
-
 /// Returns `true` if a planner passes corners at a feedrate that its law gives, as grbl and Klipper do.
-fn has_junction_law(machine: &Machine) -> bool {
+pub fn has_junction_law(machine: &Machine) -> bool {
     matches!(machine.interpolator.junction, Junction::Deviation(_) | Junction::SquareCorner(_))
 }
 
@@ -316,7 +260,7 @@ fn with_and_without_steps(machine: &Machine, runs: &[Run]) -> Vec<Machine> {
 }
 
 /// Returns `true` if a junction deviation limits corners, as in grbl.
-fn plans_by_deviation(machine: &Machine) -> bool {
+pub fn plans_by_deviation(machine: &Machine) -> bool {
     matches!(machine.interpolator.junction, Junction::Deviation(_))
 }
 

@@ -27,6 +27,8 @@ mod choice;
 mod excerpts;
 mod families;
 mod held_accelerations;
+mod held_jerks;
+mod jerk_limits;
 mod judgement;
 mod laws;
 mod motion;

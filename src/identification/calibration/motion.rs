@@ -152,7 +152,8 @@ pub fn rapid_axis_of(freed: &FreeParameter) -> Option<usize> {
     axis_among(parameters::AXIS_RAPID, freed)
 }
 
-fn axis_among(parameters: [Adjustable; 3], freed: &FreeParameter) -> Option<usize> {
+/// Returns the axis whose limit among these the parameter is; `None` for any other parameter.
+pub fn axis_among(parameters: [Adjustable; 3], freed: &FreeParameter) -> Option<usize> {
     let key = freed.handle.key();
     parameters.iter().position(|own| own.key == key)
 }

@@ -5,7 +5,7 @@
 
 use crate::identification::calibration::choice::{Fitting, Model};
 use crate::identification::calibration::{
-    BETTER_FAMILY, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, families, largest_shift,
+    BETTER_FAMILY, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, families, jerk_limits, largest_shift,
 };
 use crate::identification::fit::{FTOL, Whitening, cost_of, ramp_misfit};
 use crate::machine::Machine;
@@ -99,7 +99,7 @@ impl Fitting<'_> {
     /// Returns a planner whose ramps do not have the recorded shape with a jerk limit if that is nearer by far; otherwise
     /// returns the planner unchanged.
     fn with_jerk_limit(&mut self, planner: Model) -> Model {
-        let starts = families::with_jerk_limits(&planner.best.machine, self.runs(), &planner.whitenings);
+        let starts = jerk_limits::with_jerk_limits(&planner.best.machine, self.runs(), &planner.whitenings);
         starts.iter().fold(planner, |planner, start| {
             let limited = self.planner(start);
             if self.is_nearer(&limited, &planner) { limited } else { planner }

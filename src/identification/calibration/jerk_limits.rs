@@ -1,0 +1,68 @@
+//! Planners with jerk limits, for recordings whose ramps no trapezoid has.
+//!
+//! The guesses begin with a fitted planner of trapezoids. Its accelerations are means of ramps, so the guesses have steeper
+//! ramps in each axis, one acceleration of all axes, or none that limits a ramp, as TinyG; corners remain as fast. The
+//! limits are those of the axes or, as the accelerations of the family, one along the path. Those of the axes are the
+//! jerks that ramps hold ([`held_jerks`]) or, if they hold none, the nearest of a grid.
+
+use crate::identification::calibration::families::{has_junction_law, plans_by_deviation, with_junctions};
+use crate::identification::calibration::held_jerks::held_jerks;
+use crate::identification::calibration::nearest;
+use crate::identification::fit::{Run, Whitening};
+use crate::machine::Machine;
+
+/// Factors for the fitted value of the junction law.
+const JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
+/// Factors for the fitted accelerations.
+const ACCELERATION_RATIOS: [f64; 3] = [1.0, 2.0, 4.0];
+/// Accelerations of all axes, mm/s².
+const ACCELERATIONS_MM_S2: [f64; 2] = [1500.0, 500.0];
+/// Acceleration that limits no ramp, mm/s².
+const IDLE_ACCELERATION_MM_S2: f64 = 1e4;
+/// Jerks, mm/s³: a ramp by one lasts 1.4 times as long as by the next.
+const JERKS_MM_S3: [f64; 10] = [1e3, 2e3, 4e3, 8e3, 16e3, 32e3, 64e3, 128e3, 256e3, 512e3];
+/// Factors for the distance between arcs and their chords: 0.002, 0.01 and 0.05 mm with grbl's default.
+const CHORD_ERROR_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
+
+/// Returns the nearest machines of a fitted planner with jerk limits; none if its family blends corners in time or its jerk
+/// is already limited.
+pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Machine> {
+    if !has_junction_law(machine) || machine.limits_jerk() {
+        return Vec::new();
+    }
+    let lowest = machine.axes.map(|axis| axis.acceleration).into_iter().fold(f64::INFINITY, f64::min);
+    let with_acceleration = |acceleration: f64| {
+        let mut of = machine.with_scaled_junction(lowest / acceleration);
+        of.axes.iter_mut().for_each(|axis| axis.acceleration = acceleration);
+        of
+    };
+    let steeper = ACCELERATION_RATIOS
+        .map(|ratio| machine.with_scaled_accelerations(ratio).with_scaled_junction(1.0 / ratio));
+    let alike = ACCELERATIONS_MM_S2.map(with_acceleration);
+    let idle = with_junctions(&with_acceleration(IDLE_ACCELERATION_MM_S2));
+    let held = if plans_by_deviation(machine) { held_jerks(runs) } else { None };
+    let near = |of: &[Machine]| {
+        let nearest = |machines: Vec<Machine>| nearest(machines, runs, whitenings);
+        let ramps = nearest(of.iter().flat_map(|of| at_jerks(of, held)).collect())?;
+        let corners = nearest(JUNCTION_RATIOS.map(|ratio| ramps.with_scaled_junction(ratio)).to_vec())?;
+        // Each chord has its own ramps.
+        nearest(CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)).to_vec())
+    };
+    [&steeper[..], &alike, &idle].into_iter().filter_map(near).collect()
+}
+
+/// Returns a planner with the jerks that its axes hold (mm/s³) or, without them, with each jerk from which a fit begins.
+fn at_jerks(planner: &Machine, held: Option<[f64; 3]>) -> Vec<Machine> {
+    let at = |jerks: [f64; 3]| {
+        let mut planner = planner.clone();
+        match plans_by_deviation(&planner) {
+            true => planner.axes.iter_mut().zip(jerks).for_each(|(axis, jerk)| axis.jerk = jerk),
+            false => planner.path.jerk = jerks[0],
+        }
+        planner
+    };
+    match held {
+        Some(jerks) => vec![at(jerks)],
+        None => JERKS_MM_S3.iter().map(|jerk| at([*jerk; 3])).collect(),
+    }
+}
