@@ -66,3 +66,45 @@ fn at_jerks(planner: &Machine, held: Option<[f64; 3]>) -> Vec<Machine> {
         None => JERKS_MM_S3.iter().map(|jerk| at([*jerk; 3])).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::alignment::recorded;
+    use crate::identification::calibration::whitened;
+    use crate::machine::Planner;
+
+    /// The trapezoids have the mean acceleration of the ramps.
+    #[test]
+    fn the_nearest_start_has_the_jerk_of_the_ramps() {
+        let mut truth = Machine::default();
+        truth.become_planner(Planner::JunctionDeviation, IDLE_ACCELERATION_MM_S2);
+        truth.axes.iter_mut().for_each(|axis| axis.jerk = 16e3);
+        let truth = truth.with_scaled_junction(0.035);
+        let program = format!("G1 F3000\n{}", "X20\nY20\nX0\nY0\n".repeat(6));
+        let (toolpath, alignment) = recorded(&program, &truth, 1e-4);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let whitenings = whitened(&truth, &runs);
+        let mut trapezoids = Machine::default();
+        trapezoids.become_planner(Planner::JunctionDeviation, 350.0);
+        let found = nearest(with_jerk_limits(&trapezoids, &runs, &whitenings), &runs, &whitenings);
+        let found = found.expect("there are starts");
+        assert_eq!(found.axes.map(|axis| axis.jerk), [16e3; 3]);
+        // Below this acceleration the ramps would have a part of constant acceleration.
+        assert!((50.0 * 16e3_f64).sqrt() < found.axes[0].acceleration);
+        assert!(with_jerk_limits(&truth, &runs, &whitenings).is_empty());
+        // A planner that limits the acceleration along the path has one jerk there.
+        trapezoids.become_planner(Planner::SquareCorner, 350.0);
+        let of_path = with_jerk_limits(&trapezoids, &runs, &whitenings);
+        assert!(of_path.iter().all(|start| start.path.jerk.is_finite() && !start.limits_jerk_of_axes()));
+    }
+
+    #[test]
+    fn held_jerks_replace_the_grid() {
+        let mut planner = Machine::default();
+        planner.become_planner(Planner::JunctionDeviation, 350.0);
+        let held = at_jerks(&planner, Some([3e3, 2e3, 1e3]));
+        assert_eq!(held.len(), 1);
+        assert_eq!(held[0].axes.map(|axis| axis.jerk), [3e3, 2e3, 1e3]);
+    }
+}

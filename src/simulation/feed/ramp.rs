@@ -5,7 +5,8 @@
 //!  T = Δv/A + A/J          beyond;           length = (v1 + v2) T / 2
 //! ```
 //!
-//! (Δv step of the feedrate, J jerk and A acceleration along the path.) A block then has the shape of
+//! (Δv step of the feedrate, J jerk and A acceleration along the path. In a planner without filters J is also that of the
+//! axis that limits the motion, min J_k / |u_k|.) A block then has the shape of
 //! [`block`]: holds at its corners, ramps, and F between them; if there is no room for F the ramps meet below
 //! F. The filters smooth the rest, so that corners keep their tolerance. A ramp becomes [`PIECES_PER_RAMP`]
 //! linear pieces whose ends lie on the curve; it is symmetric about its middle, so that its area is exact.
@@ -217,6 +218,39 @@ mod tests {
             assert!(time <= before, "{jerk}: {time}, {before}");
             before = time;
         }
+    }
+
+    /// Two axes of equal jerk that share a motion equally have √2 times that jerk along the path.
+    #[test]
+    fn the_axis_that_moves_furthest_limits_the_jerk() {
+        let time = |program: &str, change: &dyn Fn(&mut Machine)| {
+            let mut machine = Machine::default();
+            machine.become_planner(Planner::JunctionDeviation, 5000.0);
+            change(&mut machine);
+            let toolpath = trace(&read(program.as_bytes()), &machine);
+            command(&toolpath, &machine, Tolerances::Programmed.into()).cycle_time()
+        };
+        let of_axes = |machine: &mut Machine| machine.axes.iter_mut().for_each(|axis| axis.jerk = 20e3);
+        let along = |jerk: f64| move |machine: &mut Machine| machine.path.jerk = jerk;
+        assert_eq!(time("G1 X9 F3000\nX0\n", &of_axes), time("G1 X9 F3000\nX0\n", &along(20e3)));
+        let diagonal = "G1 X9 Y9 F3000\nX0 Y0\n";
+        let expected = time(diagonal, &along(20e3 * std::f64::consts::SQRT_2));
+        assert!((time(diagonal, &of_axes) - expected).abs() < 1e-9);
+        // The lower of both limits holds.
+        let both = |machine: &mut Machine| (machine.axes[0].jerk, machine.path.jerk) = (20e3, 5e3);
+        assert_eq!(time("G1 X9 F3000\n", &both), time("G1 X9 F3000\n", &along(5e3)));
+        // Filters smooth their ramps themselves.
+        let filters = |machine: &mut Machine| *machine = Machine::default();
+        let with_jerks = |machine: &mut Machine| {
+            filters(machine);
+            of_axes(machine);
+            machine.interpolator.filters = 1;
+        };
+        let without = |machine: &mut Machine| {
+            filters(machine);
+            machine.interpolator.filters = 1;
+        };
+        assert_eq!(time(diagonal, &with_jerks), time(diagonal, &without));
     }
 
     /// A planner that knows few blocks stops within these, and each ramp ends in its block.
