@@ -112,7 +112,7 @@ pub struct Diagnosis {
     pub accounts: Vec<Account>,
     /// Regions in which simulation and recording differ, with or without a cause, run by run.
     pub regions: Vec<Region>,
-    /// Lost time that the causes leave, s, all runs together, and the region with most of it.
+    /// Lost time that the causes leave, s, all runs together, and the region with at least half of it, if there is one.
     pub left: (f64, Option<Region>),
     /// Relative error of the cycle time that the machine file may have on these runs, if it was calibrated on other
     /// programs; otherwise `None`.
@@ -306,7 +306,7 @@ fn diagnose_as_it_is(
         verdict: left.verdict(&causes),
         is_of_form: left.is_of_form(&causes),
         messages: doubt_of_law.into_iter().chain(left.message(&causes)).collect(),
-        left: (seconds, rest.into_iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()))),
+        left: (seconds, regions::with_most(rest, seconds)),
         causes,
         accounts,
         regions,

@@ -192,6 +192,12 @@ fn ranges(lines: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
     ranges
 }
 
+/// Returns the region with at least half of the lost time of all runs (s); `None` if it is spread more widely.
+pub fn with_most(regions: Vec<Region>, lost: f64) -> Option<Region> {
+    let largest = regions.into_iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()))?;
+    (0.5 * lost <= largest.seconds.abs()).then_some(largest)
+}
+
 /// Returns the lost time of all runs, s. For each run the largest of three values counts: the sum of the sizes of its
 /// regions; the size of the change of the residual between the first and the last mark whose times are known well,
 /// because they are not close to a stop; and that between the first and the last mark of all, less the uncertainty of
@@ -251,5 +257,15 @@ mod tests {
         assert_eq!(lines(&[(0.0, 1.0, 1.0), (1.0, 1.3, 0.2), (1.3, 2.3, 1.0)]), [(2, 2)]);
         let backward = [(0.0, 1.0, 1.0), (1.0, 2.3, 1.0), (2.3, 2.2, 0.2), (2.2, 3.2, 1.0)];
         assert_eq!(lines(&backward), []);
+    }
+
+    #[test]
+    fn a_region_without_half_of_the_lost_time_has_not_most_of_it() {
+        let region =
+            |seconds: f64| Region { run: 0, lines: (1, 2), distance: 0.0..1.0, time: 0.0..1.0, seconds };
+        let regions = || vec![region(0.1), region(-0.5), region(0.2)];
+        assert_eq!(with_most(regions(), 0.9).map(|region| region.seconds), Some(-0.5));
+        assert!(with_most(regions(), 1.1).is_none());
+        assert!(with_most(Vec::new(), 0.1).is_none());
     }
 }

@@ -114,13 +114,16 @@ pub fn centripetal_acceleration(effect: Effect, context: &Context) -> Vec<Hypoth
 }
 
 /// Returns the hypotheses of a jerk limit from which the filters' time constants follow, of one along the path, and
-/// of one on rapids from standstill to standstill.
+/// of one on rapids from standstill to standstill. A planner without filters has no constants that follow or are fitted
+/// again.
 pub fn jerks(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let machine = context.machine;
-    let mut all: Vec<Hypothesis> = of_constants(effect, context).into_iter().collect();
+    let has_filters = machine.has_filters();
+    let mut all: Vec<Hypothesis> =
+        of_constants(effect, context).into_iter().filter(|_| has_filters).collect();
     if !machine.interpolator.junction.blends_in_time() {
         all.push(path_jerk(effect));
-        all.extend(ramps(effect, machine));
+        all.extend(ramps(effect, machine).filter(|_| has_filters));
         all.extend(context.runs.iter().any(Run::has_rapid).then(|| positioning(effect, machine)));
     }
     all
@@ -173,4 +176,25 @@ fn positioning(effect: Effect, machine: &Machine) -> Hypothesis {
     let report =
         |values: &[f64]| vec![JERK.number(values[0]), AT.word("rapid"), RAPID.number(mm_per_min(values[1]))];
     Hypothesis::new(effect, freed, trials, report).variant("rapid")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::effects::table::JERK_LIMIT;
+
+    #[test]
+    fn a_jerk_limit_of_a_planner_fits_no_filters() {
+        let mut machine = Machine::default();
+        let offered = |machine: &Machine| -> Vec<usize> {
+            let all = jerks(JERK_LIMIT, &Context::new(machine, &[]));
+            all.iter().map(|hypothesis| hypothesis.freed.len()).collect()
+        };
+        // From the constants, along the path with filters as known, and with these fitted again.
+        assert_eq!(offered(&machine), [1, 1, 3]);
+        machine.become_planner(Planner::JunctionDeviation, 500.0);
+        assert_eq!(offered(&machine), [1]);
+        machine.become_planner(Planner::AccelerationBlend, 500.0);
+        assert!(offered(&machine).is_empty());
+    }
 }
