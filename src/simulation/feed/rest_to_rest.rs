@@ -544,7 +544,8 @@ impl MotionPlanner<'_> {
         match self.ramp(i) {
             Some(ramp) => {
                 let parts = ramp.parts(length, feedrate, ends[0], ends[1]);
-                run(parts.into_iter().flat_map(|part| ramp.pieces(part)), timer, add);
+                let has_filters = self.machine.has_filters();
+                run(parts.into_iter().flat_map(|part| ramp.pieces(part, has_filters)), timer, add);
             }
             None => {
                 let acceleration = self.acceleration(i);
