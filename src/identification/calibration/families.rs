@@ -19,6 +19,10 @@ use crate::simulation::ordered::sort_by_number;
 /// Initial values of the minimum cruise ratio in fits: Klipper's default, and a small value, because a fit does not free a
 /// ratio of 0.
 const INITIAL_CRUISE_RATIOS: [f64; 2] = [KLIPPER_MIN_CRUISE_RATIO, 0.1];
+/// Exponents of the ratio by which the acceleration of short moves changes with the minimum cruise ratio: with 0 the planner
+/// keeps that of long moves, with 1 that of short ones.
+const CRUISE_ACCELERATION_EXPONENTS: [f64; 3] = [0.0, 0.5, 1.0];
+
 /// Largest relative difference of the steps of two recordings of one machine.
 const MAX_STEP_DIFFERENCE_RATIO: f64 = 1e-3;
 
@@ -225,14 +229,18 @@ fn with_other_corners(machine: &Machine) -> Vec<Machine> {
     if !has_junction_law(machine) {
         return Vec::new();
     }
-    let with_ratio = |minimum_cruise_ratio: f64| {
-        let mut machine = machine.clone();
-        machine.interpolator.minimum_cruise_ratio = minimum_cruise_ratio;
-        machine
+    // Short moves have the acceleration a (1 − r), and long ones a: the fitted acceleration is one of them, or between both.
+    let own = machine.interpolator.minimum_cruise_ratio;
+    let with_ratio = |ratio: f64| {
+        CRUISE_ACCELERATION_EXPONENTS.map(|exponent: f64| {
+            let mut of = machine.with_scaled_accelerations(((1.0 - own) / (1.0 - ratio)).powf(exponent));
+            of.interpolator.minimum_cruise_ratio = ratio;
+            of
+        })
     };
     let has_ratio = matches!(machine.interpolator.junction, Junction::SquareCorner(_));
     let ratios = INITIAL_CRUISE_RATIOS.into_iter().filter(|_| has_ratio);
-    with_junctions(machine).into_iter().chain(ratios.map(with_ratio)).collect()
+    with_junctions(machine).into_iter().chain(ratios.flat_map(with_ratio)).collect()
 }
 
 /// Returns a planner with a junction deviation both with the steps of the recorded positions, which may be those of its
@@ -385,5 +393,14 @@ mod tests {
             assert_eq!(found.interpolator.minimum_cruise_ratio, KLIPPER_MIN_CRUISE_RATIO);
         }
         assert_eq!(chosen_again(&truth, &runs, &whitenings), None);
+        // Without the ratio, the acceleration lies between those of short and of long moves.
+        without_ratio.path.acceleration = 700.0;
+        let found = chosen_again(&without_ratio, &runs, &whitenings).expect("the runs show cruises");
+        assert_eq!(found.interpolator.minimum_cruise_ratio, KLIPPER_MIN_CRUISE_RATIO);
+        assert!(
+            (found.path.acceleration - 700.0 * 2.0_f64.sqrt()).abs() < 1e-9,
+            "{}",
+            found.path.acceleration
+        );
     }
 }
