@@ -75,15 +75,20 @@ impl HeldAccelerations {
 /// Returns the accelerations of the ramps of a track.
 fn ramps(track: &Track) -> Vec<RampPart> {
     let error = largest_error(track);
-    let begins = |window: usize| {
-        let end = track.time.len().saturating_sub(3 * window);
+    let all = successive_windows(track, &WINDOWS, 3);
+    all.filter_map(|(begin, window)| ramp(track, begin, window, error)).collect()
+}
+
+/// Returns every place of a track where `count` successive windows of one of these lengths (samples) begin, with the length.
+pub fn successive_windows<'a>(
+    track: &'a Track,
+    windows: &'a [usize],
+    count: usize,
+) -> impl Iterator<Item = (usize, usize)> + 'a {
+    windows.iter().flat_map(move |&window| {
+        let end = track.time.len().saturating_sub(count * window);
         (0..end).step_by(window).map(move |begin| (begin, window))
-    };
-    WINDOWS
-        .into_iter()
-        .flat_map(begins)
-        .filter_map(|(begin, window)| ramp(track, begin, window, error))
-        .collect()
+    })
 }
 
 /// Returns the acceleration from the sample `begin` on, over three windows of `window` samples; `None` if it is not held, or if

@@ -4,13 +4,13 @@
 //! successive windows of T (s) then have four accelerations between them, which change by J T from one to the next; where a
 //! trapezoid begins, only two such changes may be alike. If a distance may be off by e (mm), J may be off by 4 e / T³. A part
 //! of a ramp counts if the path is straight, and if that error and the differences of the changes are at most the part
-//! [`MAX_DIFFERENCE_RATIO`] of J. If each axis has a limit, J is the
-//! limit of the axis that moves furthest. The median of all of them is a start for a fit: a start from a wrong jerk ends in
-//! a minimum where slow corners make up for short ramps.
+//! [`MAX_DIFFERENCE_RATIO`] of J. The limit of the axis that moves furthest counts. The median of all parts is a start for a
+//! fit: a start from a wrong jerk ends in a minimum where slow corners make up for short ramps.
 //!
 //! Limits: ramps shorter than five samples show no jerk, nor does noise in fast sampling.
 
 use crate::identification::alignment::{Track, median};
+use crate::identification::calibration::held_accelerations::successive_windows;
 use crate::identification::calibration::rapid_moves::turns;
 use crate::identification::calibration::rapids::largest_error;
 use crate::identification::fit::Run;
@@ -42,11 +42,7 @@ fn held_by(parts: &[(usize, f64)]) -> Option<[f64; 3]> {
 /// Returns the parts of the ramps of a track: the axis that moves furthest, and its jerk.
 fn parts(track: &Track) -> Vec<(usize, f64)> {
     let error = largest_error(track);
-    let begins = |window: usize| {
-        let end = track.time.len().saturating_sub(WINDOWS_OF_PART * window);
-        (0..end).step_by(window).map(move |begin| (begin, window))
-    };
-    let all = WINDOWS.into_iter().flat_map(begins);
+    let all = successive_windows(track, &WINDOWS, WINDOWS_OF_PART);
     all.filter_map(|(begin, window)| part(track, begin, window, error)).collect()
 }
 

@@ -12,17 +12,17 @@ use crate::identification::fit::{Run, Whitening};
 use crate::machine::Machine;
 
 /// Factors for the fitted value of the junction law.
-const JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
+const FITTED_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
 /// Factors for the fitted accelerations.
-const ACCELERATION_RATIOS: [f64; 3] = [1.0, 2.0, 4.0];
-/// Accelerations of all axes, mm/s².
-const ACCELERATIONS_MM_S2: [f64; 2] = [1500.0, 500.0];
+const FITTED_ACCELERATION_RATIOS: [f64; 3] = [1.0, 2.0, 4.0];
+/// Accelerations that are tried in all axes, mm/s².
+const EQUAL_ACCELERATIONS_MM_S2: [f64; 2] = [1500.0, 500.0];
 /// Acceleration that limits no ramp, mm/s².
 const IDLE_ACCELERATION_MM_S2: f64 = 1e4;
-/// Jerks, mm/s³: a ramp by one lasts 1.4 times as long as by the next.
-const JERKS_MM_S3: [f64; 10] = [1e3, 2e3, 4e3, 8e3, 16e3, 32e3, 64e3, 128e3, 256e3, 512e3];
+/// Jerks that are tried where ramps hold none, mm/s³: a ramp by one lasts 1.4 times as long as by the next.
+const TRIED_JERKS_MM_S3: [f64; 10] = [1e3, 2e3, 4e3, 8e3, 16e3, 32e3, 64e3, 128e3, 256e3, 512e3];
 /// Factors for the distance between arcs and their chords: 0.002, 0.01 and 0.05 mm with grbl's default.
-const CHORD_ERROR_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
+const TRIED_CHORD_ERROR_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
 
 /// Returns the nearest machines of a fitted planner with jerk limits; none if its family blends corners in time or its jerk
 /// is already limited.
@@ -36,17 +36,18 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
         of.axes.iter_mut().for_each(|axis| axis.acceleration = acceleration);
         of
     };
-    let steeper = ACCELERATION_RATIOS
+    let steeper = FITTED_ACCELERATION_RATIOS
         .map(|ratio| machine.with_scaled_accelerations(ratio).with_scaled_junction(1.0 / ratio));
-    let alike = ACCELERATIONS_MM_S2.map(with_acceleration);
+    let alike = EQUAL_ACCELERATIONS_MM_S2.map(with_acceleration);
     let idle = with_junctions(&with_acceleration(IDLE_ACCELERATION_MM_S2));
     let held = if plans_by_deviation(machine) { held_jerks(runs) } else { None };
     let near = |of: &[Machine]| {
         let nearest = |machines: Vec<Machine>| nearest(machines, runs, whitenings);
         let ramps = nearest(of.iter().flat_map(|of| at_jerks(of, held)).collect())?;
-        let corners = nearest(JUNCTION_RATIOS.map(|ratio| ramps.with_scaled_junction(ratio)).to_vec())?;
+        let corners =
+            nearest(FITTED_JUNCTION_RATIOS.map(|ratio| ramps.with_scaled_junction(ratio)).to_vec())?;
         // Each chord has its own ramps.
-        nearest(CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)).to_vec())
+        nearest(TRIED_CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)).to_vec())
     };
     [&steeper[..], &alike, &idle].into_iter().filter_map(near).collect()
 }
@@ -63,7 +64,7 @@ fn at_jerks(planner: &Machine, held: Option<[f64; 3]>) -> Vec<Machine> {
     };
     match held {
         Some(jerks) => vec![at(jerks)],
-        None => JERKS_MM_S3.iter().map(|jerk| at([*jerk; 3])).collect(),
+        None => TRIED_JERKS_MM_S3.iter().map(|jerk| at([*jerk; 3])).collect(),
     }
 }
 
