@@ -25,8 +25,8 @@ pub fn lend(all: &mut [(FreeParameter, f64)], best: &Fit) {
 }
 
 /// Returns the machines from which to fit again, each with the lent limits, and with the accelerations of the others
-/// raised by one of `RAISED_BY`; empty if none is lent. If one axis has no limit, the
-/// accelerations of the others compensate for it and are too low.
+/// raised by one of `RAISED_BY`; empty if none is lent. If one axis has no limit, the accelerations of the others
+/// compensate for it and are too low.
 pub fn starts(all: &[(FreeParameter, f64)], best: &Fit) -> Vec<Machine> {
     let lent = lent(all, best);
     if lent.is_empty() {

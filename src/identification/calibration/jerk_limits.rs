@@ -1,9 +1,10 @@
 //! Planners with jerk limits, for recordings whose ramps no trapezoid has.
 //!
-//! The guesses begin with a fitted planner of trapezoids. Its accelerations are means of ramps, so the guesses have steeper
-//! ramps in each axis, one acceleration of all axes, or none that limits a ramp, as TinyG; corners remain as fast. The
-//! limits are those of the axes or, as the accelerations of the family, one along the path. Those of the axes are the
-//! jerks that ramps hold ([`held_jerks`]) or, if they hold none, the nearest of a grid.
+//! The guesses begin with a fitted planner of trapezoids, whose accelerations are means over whole ramps. They raise these
+//! accelerations, give all axes the same one, or give them one that no ramp reaches, as in TinyG; corners remain as fast.
+//! A planner that limits the acceleration of each axis gets a jerk limit for each axis: the jerk that the ramps hold
+//! ([`held_jerks`]) or, if they hold none, the nearest of a grid. A planner that limits the acceleration along the path gets
+//! one jerk limit along the path.
 
 use crate::identification::calibration::families::{has_junction_law, plans_by_deviation, with_junctions};
 use crate::identification::calibration::held_jerks::held_jerks;
@@ -12,17 +13,17 @@ use crate::identification::fit::{Run, Whitening};
 use crate::machine::Machine;
 
 /// Factors for the fitted value of the junction law.
-const FITTED_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
+const START_JUNCTION_RATIOS: [f64; 3] = [0.4, 1.0, 2.5];
 /// Factors for the fitted accelerations.
-const FITTED_ACCELERATION_RATIOS: [f64; 3] = [1.0, 2.0, 4.0];
+const START_ACCELERATION_RATIOS: [f64; 3] = [1.0, 2.0, 4.0];
 /// Accelerations that are tried in all axes, mm/s².
-const EQUAL_ACCELERATIONS_MM_S2: [f64; 2] = [1500.0, 500.0];
-/// Acceleration that limits no ramp, mm/s².
-const IDLE_ACCELERATION_MM_S2: f64 = 1e4;
+const START_ACCELERATIONS_MM_S2: [f64; 2] = [1500.0, 500.0];
+/// Acceleration that no ramp reaches, mm/s².
+const ACCELERATION_BEYOND_RAMPS_MM_S2: f64 = 1e4;
 /// Jerks that are tried where ramps hold none, mm/s³: a ramp by one lasts 1.4 times as long as by the next.
-const TRIED_JERKS_MM_S3: [f64; 10] = [1e3, 2e3, 4e3, 8e3, 16e3, 32e3, 64e3, 128e3, 256e3, 512e3];
+const START_JERKS_MM_S3: [f64; 10] = [1e3, 2e3, 4e3, 8e3, 16e3, 32e3, 64e3, 128e3, 256e3, 512e3];
 /// Factors for the distance between arcs and their chords: 0.002, 0.01 and 0.05 mm with grbl's default.
-const TRIED_CHORD_ERROR_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
+const START_CHORD_ERROR_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
 
 /// Returns the nearest machines of a fitted planner with jerk limits; none if its family blends corners in time or its jerk
 /// is already limited.
@@ -36,18 +37,17 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
         of.axes.iter_mut().for_each(|axis| axis.acceleration = acceleration);
         of
     };
-    let steeper = FITTED_ACCELERATION_RATIOS
+    let steeper = START_ACCELERATION_RATIOS
         .map(|ratio| machine.with_scaled_accelerations(ratio).with_scaled_junction(1.0 / ratio));
-    let alike = EQUAL_ACCELERATIONS_MM_S2.map(with_acceleration);
-    let idle = with_junctions(&with_acceleration(IDLE_ACCELERATION_MM_S2));
+    let alike = START_ACCELERATIONS_MM_S2.map(with_acceleration);
+    let idle = with_junctions(&with_acceleration(ACCELERATION_BEYOND_RAMPS_MM_S2));
     let held = if plans_by_deviation(machine) { held_jerks(runs) } else { None };
     let near = |of: &[Machine]| {
         let nearest = |machines: Vec<Machine>| nearest(machines, runs, whitenings);
         let ramps = nearest(of.iter().flat_map(|of| at_jerks(of, held)).collect())?;
-        let corners =
-            nearest(FITTED_JUNCTION_RATIOS.map(|ratio| ramps.with_scaled_junction(ratio)).to_vec())?;
+        let corners = nearest(START_JUNCTION_RATIOS.map(|ratio| ramps.with_scaled_junction(ratio)).to_vec())?;
         // Each chord has its own ramps.
-        nearest(TRIED_CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)).to_vec())
+        nearest(START_CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)).to_vec())
     };
     [&steeper[..], &alike, &idle].into_iter().filter_map(near).collect()
 }
@@ -64,7 +64,7 @@ fn at_jerks(planner: &Machine, held: Option<[f64; 3]>) -> Vec<Machine> {
     };
     match held {
         Some(jerks) => vec![at(jerks)],
-        None => TRIED_JERKS_MM_S3.iter().map(|jerk| at([*jerk; 3])).collect(),
+        None => START_JERKS_MM_S3.iter().map(|jerk| at([*jerk; 3])).collect(),
     }
 }
 
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn the_nearest_start_has_the_jerk_of_the_ramps() {
         let mut truth = Machine::default();
-        truth.become_planner(Planner::JunctionDeviation, IDLE_ACCELERATION_MM_S2);
+        truth.become_planner(Planner::JunctionDeviation, ACCELERATION_BEYOND_RAMPS_MM_S2);
         truth.axes.iter_mut().for_each(|axis| axis.jerk = 16e3);
         let truth = truth.with_scaled_junction(0.035);
         let program = format!("G1 F3000\n{}", "X20\nY20\nX0\nY0\n".repeat(6));

@@ -8,8 +8,8 @@
 //! | square-corner velocities | accelerations and velocities of the path and Z, the velocity at corners, minimum cruise ratio |
 //! | steps of velocity | the step, slowing angle, wait for position, path acceleration |
 //!
-//! Junction deviations also free the jerks of axes unless these are infinite. All families free the jerk along the path, the centripetal acceleration and the parameters of rapids, unless these
-//! have their neutral values. A velocity that limits feed and rapids of an axis alike is one parameter, the rapid rate.
+//! Planners without filters also free the jerks of axes, and all families the jerk along the path, the centripetal
+//! acceleration and the parameters of rapids, unless these have their neutral values. A velocity that limits feed and rapids of an axis alike is one parameter, the rapid rate.
 //! The value before the calibration is infinite if the machine had no such limit.
 
 use crate::identification::calibration::Estimate;

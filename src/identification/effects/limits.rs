@@ -114,25 +114,30 @@ pub fn centripetal_acceleration(effect: Effect, context: &Context) -> Vec<Hypoth
 }
 
 /// Returns the hypotheses of a jerk limit from which the filters' time constants follow, of one along the path, and
-/// of one on rapids from standstill to standstill. A planner without filters has no constants that follow or are fitted
-/// again.
+/// of one on rapids from standstill to standstill.
 pub fn jerks(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let machine = context.machine;
-    let has_filters = machine.has_filters();
-    let mut all: Vec<Hypothesis> =
-        of_constants(effect, context).into_iter().filter(|_| has_filters).collect();
+    let mut all: Vec<Hypothesis> = of_constants(effect, context).into_iter().collect();
     if !machine.interpolator.junction.blends_in_time() {
         all.push(path_jerk(effect));
-        all.extend(ramps(effect, machine).filter(|_| has_filters));
+        all.extend(ramps(effect, machine));
         all.extend(context.runs.iter().any(Run::has_rapid).then(|| positioning(effect, machine)));
     }
     all
 }
 
-/// Returns the hypothesis of a jerk limit from which the time constants follow; `None` unless the machine gives all
-/// filters one time constant.
+/// Returns the time constant of all filters, s; `None` if they are unequal or shape no ramps.
+fn constant_of_filters(machine: &Machine) -> Option<f64> {
+    match machine.interpolator.time_constants {
+        TimeConstants::Equal(constant) if machine.has_filters() => Some(constant),
+        _ => None,
+    }
+}
+
+/// Returns the hypothesis of a jerk limit from which the time constants follow; `None` unless all filters have one time
+/// constant.
 fn of_constants(effect: Effect, context: &Context) -> Option<Hypothesis> {
-    let TimeConstants::Equal(constant) = context.machine.interpolator.time_constants else { return None };
+    let constant = constant_of_filters(context.machine)?;
     let jerk = context.feedrate / (constant * constant);
     let freed = parameters::FILTER_JERK.tried_around(jerk);
     let report = |value| vec![JERK.number(value)];
@@ -146,10 +151,10 @@ fn path_jerk(effect: Effect) -> Hypothesis {
         .variant("along the path, filters as known")
 }
 
-/// Returns the hypothesis of a jerk limit along the path, which fits the filters and the tolerance again; `None` if
-/// the filters are unequal.
+/// Returns the hypothesis of a jerk limit along the path, which fits the filters and the tolerance again; `None`
+/// unless all filters have one time constant.
 pub fn ramps(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
-    let TimeConstants::Equal(constant) = machine.interpolator.time_constants else { return None };
+    let constant = constant_of_filters(machine)?;
     let tolerance = machine.interpolator.contour_tolerance;
     let freed = [parameters::PATH_JERK, parameters::TIME_CONSTANT, parameters::CONTOUR_TOLERANCE];
     let trials = SHORTER_FILTERS

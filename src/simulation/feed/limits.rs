@@ -113,15 +113,20 @@ pub fn axis_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     if has_no_axis_limit(machine) {
         return f64::INFINITY;
     }
-    let share = largest_share(segment);
-    let limits = machine.axes.iter().enumerate().map(|(k, axis)| axis.velocity / share[k]);
     let in_plane = match &segment.curve {
         Curve::Arc(arc) if machine.interpolator.junction.blends_in_time() => {
             weaker_of_plane(arc, machine, |axis| axis.velocity) / turning_share(arc, segment.length)
         }
         _ => f64::INFINITY,
     };
-    limits.fold(in_plane, f64::min)
+    lowest_of_axes(segment, machine, |axis| axis.velocity).min(in_plane)
+}
+
+/// Returns the largest value along a segment at which no axis exceeds its limit.
+fn lowest_of_axes(segment: &Segment, machine: &Machine, limit: fn(&Axis) -> f64) -> f64 {
+    let share = largest_share(segment);
+    let limits = machine.axes.iter().enumerate().map(|(k, axis)| limit(axis) / share[k]);
+    limits.fold(f64::INFINITY, f64::min)
 }
 
 /// Returns the feedrate at which no rotary axis exceeds its limit, mm/s.
@@ -175,9 +180,7 @@ pub fn acceleration(segment: &Segment, machine: &Machine) -> f64 {
     if machine.axes.iter().all(|axis| axis.acceleration == f64::INFINITY) {
         return machine.path.acceleration;
     }
-    let share = largest_share(segment);
-    let limits = machine.axes.iter().enumerate().map(|(k, axis)| axis.acceleration / share[k]);
-    limits.fold(machine.path.acceleration, f64::min)
+    lowest_of_axes(segment, machine, |axis| axis.acceleration).min(machine.path.acceleration)
 }
 
 /// Returns the jerk limit of ramps along a segment, mm/s³.
@@ -185,9 +188,7 @@ pub fn jerk(segment: &Segment, machine: &Machine) -> f64 {
     if !machine.limits_jerk_of_axes() {
         return machine.path.jerk;
     }
-    let share = largest_share(segment);
-    let limits = machine.axes.iter().enumerate().map(|(k, axis)| axis.jerk / share[k]);
-    limits.fold(machine.path.jerk, f64::min)
+    lowest_of_axes(segment, machine, |axis| axis.jerk).min(machine.path.jerk)
 }
 
 /// Returns the acceleration limit along a segment if corners are blends, mm/s²: on an arc, that at which the motion in

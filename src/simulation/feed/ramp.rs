@@ -5,11 +5,12 @@
 //!  T = Δv/A + A/J          beyond;           length = (v1 + v2) T / 2
 //! ```
 //!
-//! (Δv step of the feedrate, J jerk and A acceleration along the path. In a planner without filters J is also that of the
-//! axis that limits the motion, min J_k / |u_k|.) A block then has the shape of
+//! (Δv step of the feedrate, J jerk and A acceleration along the path.) On a planner without filters, J is at most
+//! min_k J_k / |u_k|, with the jerk limit J_k of axis k and the unit tangent u. A block then has the shape of
 //! [`block`]: holds at its corners, ramps, and F between them; if there is no room for F the ramps meet below
 //! F. The filters smooth the rest, so that corners keep their tolerance. A ramp becomes [`PIECES_PER_RAMP`]
-//! linear pieces, or without filters [`PIECES_WITHOUT_FILTERS`], whose ends lie on the curve; it is symmetric about its middle, so that its area is exact.
+//! linear pieces, without filters [`PIECES_WITHOUT_FILTERS`]. Their ends lie on the curve, which is symmetric about its
+//! middle, so that the area is exact.
 //!
 //! Source: textbooks on jerk-limited motion; examples are SOFT of Siemens and Heidenhain's law of the jerk
 //! alone. On two recorded mills rapids and feed moves both follow T = 2 √(Δv/J). Limits: the law describes a
@@ -269,15 +270,13 @@ mod tests {
         let both = |machine: &mut Machine| (machine.axes[0].jerk, machine.path.jerk) = (20e3, 5e3);
         assert_eq!(time("G1 X9 F3000\n", &both), time("G1 X9 F3000\n", &along(5e3)));
         // Filters smooth their ramps themselves.
-        let filters = |machine: &mut Machine| *machine = Machine::default();
-        let with_jerks = |machine: &mut Machine| {
-            filters(machine);
-            of_axes(machine);
+        let without = |machine: &mut Machine| {
+            *machine = Machine::default();
             machine.interpolator.filters = 1;
         };
-        let without = |machine: &mut Machine| {
-            filters(machine);
-            machine.interpolator.filters = 1;
+        let with_jerks = |machine: &mut Machine| {
+            without(machine);
+            of_axes(machine);
         };
         assert_eq!(time(diagonal, &with_jerks), time(diagonal, &without));
     }
