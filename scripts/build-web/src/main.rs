@@ -47,8 +47,6 @@ struct Settings {
     target: Target,
     /// Where the package goes; its previous content is replaced.
     out_dir: PathBuf,
-    /// Flags for rustc. They replace those of the environment, so that the file says all.
-    rustflags: Vec<String>,
     /// The modules of the package.
     module: Vec<Module>,
 }
@@ -63,6 +61,8 @@ struct Module {
     profile: String,
     /// What the crate is told by `--cfg`, and no other crate.
     cfg: Vec<String>,
+    /// Flags for rustc, for the crate and all it needs. They replace those of the environment, so that the file says all.
+    rustflags: Vec<String>,
     /// Arguments of `wasm-opt`; none leaves it out.
     wasm_opt: Vec<String>,
 }
@@ -130,7 +130,7 @@ fn build(is_quick: bool) -> Result<()> {
 fn make(settings: &Settings, module: &Module, package: &Path) -> Result<()> {
     let name = &module.out_name;
     println!("{name}: compiling for {WASM_TARGET}, profile {}", module.profile);
-    let compiled = compile(settings, module)?;
+    let compiled = compile(module)?;
     println!("{name}: writing the bindings");
     write_bindings(settings, module, &compiled, package)?;
     let wasm = package.join(format!("{name}_bg.wasm"));
@@ -144,14 +144,14 @@ fn make(settings: &Settings, module: &Module, package: &Path) -> Result<()> {
 }
 
 /// Compiles the library and returns the path of its WebAssembly module, as Cargo reports it.
-fn compile(settings: &Settings, module: &Module) -> Result<PathBuf> {
+fn compile(module: &Module) -> Result<PathBuf> {
     let output = cargo()
         .args(["rustc", "--lib", "--crate-type", "cdylib", "--target", WASM_TARGET])
         .args(["--profile", &module.profile])
         .arg("--message-format=json-render-diagnostics")
         .arg("--")
         .args(module.cfg.iter().flat_map(|cfg| ["--cfg", cfg]))
-        .env("CARGO_ENCODED_RUSTFLAGS", settings.rustflags.join("\x1f"))
+        .env("CARGO_ENCODED_RUSTFLAGS", module.rustflags.join("\x1f"))
         .stderr(Stdio::inherit())
         .output()
         .context("cannot run cargo")?;
