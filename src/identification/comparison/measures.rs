@@ -60,11 +60,6 @@ pub struct PositionError {
 }
 
 impl FeedError {
-    /// Returns the difference over rows at the same places; `None` if none of them is on a feed move.
-    pub fn of(rows: &Pointwise) -> Option<FeedError> {
-        FeedError::during(rows, &|_| true)
-    }
-
     /// Returns the difference over the rows whose recorded time (s) satisfies `is_meant`.
     fn during(rows: &Pointwise, is_meant: &dyn Fn(f64) -> bool) -> Option<FeedError> {
         let mut error = SquareSums::default();
@@ -78,54 +73,58 @@ impl FeedError {
     }
 }
 
-/// Returns the difference of feedrates of a comparison: point by point if the place of each sample is known,
-/// else of means over parts that are long against the time between polls.
-pub fn feed_error(
-    toolpath: &Toolpath,
-    plan: &FeedPlan,
-    alignment: &Alignment,
-    lost: &[VisitTimes],
-) -> Option<FeedError> {
-    feed_error_during(toolpath, plan, alignment, lost, &|_| true)
+/// Recorded and simulated feedrates of a run, from which the difference over any part of the run is computed.
+pub enum Feedrates {
+    /// Point by point, if the place of each sample is known.
+    Points(Pointwise),
+    /// Means over parts that are long against the time between polls.
+    Polled {
+        /// Time between polls, s.
+        poll: f64,
+        /// One for each visit to a line.
+        visits: Vec<VisitMotion>,
+    },
+    /// Nothing shows the recorded feedrates.
+    Unknown,
 }
 
-/// Returns the difference of feedrates at recorded times (s) that satisfy `is_meant`.
-pub fn feed_error_during(
-    toolpath: &Toolpath,
-    plan: &FeedPlan,
-    alignment: &Alignment,
-    lost: &[VisitTimes],
-    is_meant: &dyn Fn(f64) -> bool,
-) -> Option<FeedError> {
-    if alignment.method == Method::Positions {
-        return FeedError::during(&pointwise(toolpath, plan, alignment), is_meant);
+impl Feedrates {
+    /// Returns the feedrates of a run whose times of visits are `lost`.
+    pub fn of(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment, lost: &[VisitTimes]) -> Feedrates {
+        if alignment.method == Method::Positions {
+            return Feedrates::Points(pointwise(toolpath, plan, alignment));
+        }
+        let Some(poll) = alignment.poll else { return Feedrates::Unknown };
+        let distances = toolpath.distances();
+        let visits = lost.iter().map(|visit| VisitMotion::of(visit, toolpath, &distances));
+        Feedrates::Polled { poll, visits: visits.collect() }
     }
-    let poll = alignment.poll?;
-    let distances = toolpath.distances();
-    // NaN if a rapid move lies in the range.
-    let programmed = |range: &Range<f64>| -> f64 {
-        let at =
-            |distance: f64| distances.partition_point(|end| *end < distance).min(toolpath.segments.len());
-        let times =
-            toolpath.segments.range(at(range.start)..at(range.end)).map(|segment| match segment.motion {
-                Motion::Feed { feedrate } => segment.length / feedrate,
-                Motion::Rapid { .. } => f64::NAN,
-            });
-        times.sum()
-    };
+
+    /// Returns the difference of feedrates at recorded times (s) that satisfy `is_meant`; `None` if no feed move is there.
+    pub fn error(&self, is_meant: &dyn Fn(f64) -> bool) -> Option<FeedError> {
+        match self {
+            Feedrates::Points(rows) => FeedError::during(rows, is_meant),
+            Feedrates::Polled { poll, visits } => error_of_visits(visits, POLLS_PER_WINDOW * poll, is_meant),
+            Feedrates::Unknown => None,
+        }
+    }
+}
+
+/// Returns the difference of mean feedrates over windows of successive visits that move at a programmed feedrate and whose
+/// recorded beginnings satisfy `is_meant`; a window lasts at least `lasts`, s.
+fn error_of_visits(visits: &[VisitMotion], lasts: f64, is_meant: &dyn Fn(f64) -> bool) -> Option<FeedError> {
     let mut error = SquareSums::default();
     let mut window = MotionWindow::default();
-    for visit in lost {
-        let time = programmed(&visit.distance);
-        if visit.waits() || time.is_nan() || !is_meant(visit.recorded.start) {
+    for visit in visits {
+        let Some(motion) = visit.motion.as_ref().filter(|_| is_meant(visit.begin)) else {
             window = MotionWindow::default();
             continue;
-        }
-        window.way += visit.distance.end - visit.distance.start;
-        window.recorded += visit.recorded.end - visit.recorded.start;
-        window.simulated += visit.simulated.end - visit.simulated.start;
-        window.programmed += time;
-        if POLLS_PER_WINDOW * poll <= window.recorded && 0.0 < window.way {
+        };
+        window.way += motion.way;
+        window.recorded += motion.recorded;
+        window.simulated += motion.simulated;
+        window.programmed += motion.programmed;
+        if lasts <= window.recorded && 0.0 < window.way {
             let of = |time: f64| window.way / time;
             error.add(window.way, of(window.recorded), of(window.simulated), of(window.programmed));
             window = MotionWindow::default();
@@ -134,7 +133,38 @@ pub fn feed_error_during(
     error.mean()
 }
 
-/// The motion between two places.
+/// The motion of a visit to a line.
+pub struct VisitMotion {
+    /// Recorded beginning, s.
+    begin: f64,
+    /// `None` if the visit contains a wait or a rapid move.
+    motion: Option<MotionWindow>,
+}
+
+impl VisitMotion {
+    /// Returns the motion of a visit; `distances` holds the distance along the path before each segment, mm.
+    fn of(visit: &VisitTimes, toolpath: &Toolpath, distances: &[f64]) -> VisitMotion {
+        let at =
+            |distance: f64| distances.partition_point(|end| *end < distance).min(toolpath.segments.len());
+        let segments = toolpath.segments.range(at(visit.distance.start)..at(visit.distance.end));
+        let programmed: Option<f64> = segments
+            .map(|segment| match segment.motion {
+                Motion::Feed { feedrate } => Some(segment.length / feedrate),
+                Motion::Rapid { .. } => None,
+            })
+            .sum();
+        let takes = |during: &Range<f64>| during.end - during.start;
+        let motion = programmed.filter(|_| !visit.waits()).map(|programmed| MotionWindow {
+            way: takes(&visit.distance),
+            recorded: takes(&visit.recorded),
+            simulated: takes(&visit.simulated),
+            programmed,
+        });
+        VisitMotion { begin: visit.recorded.start, motion }
+    }
+}
+
+/// The motion between two places: length (mm) and recorded, simulated and programmed duration (s).
 #[derive(Default)]
 struct MotionWindow {
     way: f64,
@@ -239,7 +269,7 @@ mod tests {
             programmed: vec![Some(12.0), Some(12.0), Some(12.0), None],
             ..Pointwise::default()
         };
-        let error = FeedError::of(&rows).expect("two rows are on a feed move");
+        let error = FeedError::during(&rows, &|_| true).expect("two rows are on a feed move");
         assert_eq!(error.way, 4.0);
         assert_eq!(error.programmed, 12.0);
         assert!((error.rms - f64::sqrt((1.0 + 3.0 * 4.0) / 4.0)).abs() < 1e-12);

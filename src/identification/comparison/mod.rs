@@ -24,7 +24,7 @@ mod ramp_shape;
 
 pub use contour_deviation::{ContourDeviation, TYPICAL_PARTS};
 pub use lost_time::{LostTimeCurve, lost_time_curve};
-pub use measures::{FeedError, PooledFeedError, PositionError, feed_error_during};
+pub use measures::{FeedError, Feedrates, PooledFeedError, PositionError};
 pub use pointwise::{Pointwise, pointwise};
 pub use ramp_shape::{RampMisfit, ramp_windows};
 
@@ -124,9 +124,7 @@ pub struct Comparison {
 /// assert!((comparison.motion.recorded / comparison.motion.simulated - 2.0).abs() < 0.2);
 /// ```
 pub fn compare(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) -> Comparison {
-    let places: Vec<ProgramPlace> = alignment.marks.iter().map(|mark| mark.place).collect();
-    let simulated = times(toolpath, plan, &places);
-    let residuals = residuals(alignment, &simulated);
+    let (simulated, residuals) = times_and_residuals(toolpath, plan, alignment);
     let lost = lost_by_visit(toolpath, plan, alignment, &simulated, &residuals);
     let mut motion = Durations::default();
     for visit in lost.iter().filter(|visit| !visit.waits()) {
@@ -139,9 +137,23 @@ pub fn compare(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) -> C
         recorded: between(marks.first().map(|m| m.time), marks.last().map(|m| m.time)),
         simulated: between(simulated.first().copied(), simulated.last().copied()),
     };
-    let feed = measures::feed_error(toolpath, plan, alignment, &lost);
+    let feed = Feedrates::of(toolpath, plan, alignment, &lost).error(&|_| true);
     let position = measures::position_error(toolpath, plan, alignment, &simulated, &residuals);
     Comparison { residuals, simulated, lost, whole, motion, feed, position }
+}
+
+/// Returns the times of each visit to a line, as [`compare`] does, without the other results of a comparison.
+pub fn visit_times(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) -> Vec<VisitTimes> {
+    let (simulated, residuals) = times_and_residuals(toolpath, plan, alignment);
+    lost_by_visit(toolpath, plan, alignment, &simulated, &residuals)
+}
+
+/// Returns the simulated time and the delay of the recorded machine at each mark, s.
+fn times_and_residuals(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) -> (Vec<f64>, Vec<f64>) {
+    let places: Vec<ProgramPlace> = alignment.marks.iter().map(|mark| mark.place).collect();
+    let simulated = times(toolpath, plan, &places);
+    let residuals = residuals(alignment, &simulated);
+    (simulated, residuals)
 }
 
 /// Returns the delay of the recorded machine at each mark, s, given the times of the simulated machine there

@@ -63,7 +63,11 @@ pub fn pointwise(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) ->
         rows.simulated_time.push(0.5 * (begin + end));
         rows.recorded.push(stretch.speed);
         rows.simulated.push(simulated);
-        let around = [begin - blur, end + blur].map(|time| profile.at_time(time).distance);
+        let around = if blur == 0.0 {
+            states.map(|state| state.distance)
+        } else {
+            [begin - blur, end + blur].map(|time| profile.at_time(time).distance)
+        };
         rows.programmed.push(programmed(toolpath, &profile, segment, around));
         rows.line.push(on.line.0);
     }

@@ -7,15 +7,11 @@
 //! projection on the path has another speed than the tool. A filter that is longer by a hundredth changes speeds by
 //! less than that. A control shows no difference below [`READ_MM_S`].
 
-use std::borrow::Cow;
 use std::ops::Range;
 
-use crate::identification::alignment::Alignment;
-use crate::identification::comparison::{FeedError, PooledFeedError, VisitTimes, compare, feed_error_during};
+use crate::identification::comparison::{FeedError, Feedrates, PooledFeedError, VisitTimes, visit_times};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
-use crate::simulation::feed::FeedPlan;
-use crate::simulation::toolpath::Toolpath;
 
 /// Largest ratios of the difference of feedrates with a cause to that without it: over whole runs, and where the cause
 /// acts.
@@ -33,7 +29,7 @@ pub fn error(machine: &Machine, run: &Run, is_meant: &dyn Fn(f64) -> bool) -> Op
 /// Simulated feedrates without a cause.
 pub struct Speeds<'a> {
     runs: &'a [Run<'a>],
-    without: Vec<Simulated<'a>>,
+    without: Vec<Simulated>,
 }
 
 impl<'a> Speeds<'a> {
@@ -64,25 +60,23 @@ impl<'a> Speeds<'a> {
     }
 }
 
-/// Run simulated on a machine.
-struct Simulated<'a> {
-    toolpath: &'a Toolpath,
-    plan: FeedPlan,
-    alignment: Cow<'a, Alignment>,
+/// Times and feedrates of a run simulated on a machine.
+struct Simulated {
     lost: Vec<VisitTimes>,
+    feedrates: Feedrates,
     clock: f64,
 }
 
-impl<'a> Simulated<'a> {
-    fn of(machine: &Machine, run: &'a Run) -> Simulated<'a> {
+impl Simulated {
+    fn of(machine: &Machine, run: &Run) -> Simulated {
         let (plan, alignment) = (run.plan(machine), run.by_clock(machine));
-        let lost = compare(run.toolpath, &plan, &alignment).lost;
-        Simulated { toolpath: run.toolpath, plan, alignment, lost, clock: machine.recorder.clock_ratio }
+        let lost = visit_times(run.toolpath, &plan, &alignment);
+        let feedrates = Feedrates::of(run.toolpath, &plan, &alignment, &lost);
+        Simulated { lost, feedrates, clock: machine.recorder.clock_ratio }
     }
 
     fn error(&self, is_meant: &dyn Fn(f64) -> bool) -> Option<FeedError> {
-        let is_meant = |time: f64| is_meant(self.clock * time);
-        feed_error_during(self.toolpath, &self.plan, &self.alignment, &self.lost, &is_meant)
+        self.feedrates.error(&|time| is_meant(self.clock * time))
     }
 }
 
