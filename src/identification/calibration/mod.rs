@@ -52,6 +52,7 @@ pub use waits::guesses;
 use crate::identification::alignment::Method;
 use crate::identification::calibration::choice::{Fitting, Model};
 use crate::identification::calibration::judgement::Judgement;
+use crate::identification::calibration::untold::Untold;
 use crate::identification::comparison::{Comparison, Durations};
 use crate::identification::effects::parameters::PROGRAM_START;
 use crate::identification::fit::{
@@ -165,14 +166,10 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let (model, orders) = fitting.model_by_parts(&parts, &guess);
     let judgement = fitting.judgement(&model);
     let Model { whitenings, .. } = model;
-    let mut fit = |machine: &Machine, parameters: &[(FreeParameter, f64)]| {
+    let (judgement, alike) = alike::alike(judgement, |machine, parameters| {
         run_fit(machine, runs, parameters, &whitenings, FTOL, &mut fitting.share)
-    };
-    let (judgement, alike) = alike::alike(judgement, &mut fit);
-    let untold = untold::untold(&judgement, alike, runs, &whitenings, &mut fit);
-    let least_accelerations = untold::least(&judgement.last, untold, runs, &whitenings);
-    let largest_override = untold::largest_override(&judgement.last, runs, &whitenings);
-    let other_chord_ratios = untold::other_chord_ratios(&judgement.last, runs, &whitenings);
+    });
+    let untold = Untold::of(&judgement, alike, &parts, (runs, &whitenings), &mut fitting.share);
     let kept: Vec<(FreeParameter, f64)> = judgement.fitted().cloned().collect();
     let Judgement { all, believed, verdicts, deviations, mut last } = judgement;
     let assumed_rapids = rapids::assumed(&last.machine, fitting.plateaus);
@@ -180,9 +177,9 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let is_untold = |freed: &FreeParameter, value: f64, deviation: f64| {
         let of_axis = motion::axis_of(freed);
         // An acceleration of an axis that is as high as that along the path limits nothing.
-        of_axis
-            .is_some_and(|axis| untold[axis] || of_path < value + MIN_CONTRADICTING_COST.sqrt() * deviation)
-            || motion::rapid_axis_of(freed).is_some_and(|axis| assumed_rapids[axis])
+        of_axis.is_some_and(|axis| {
+            untold.accelerations[axis] || of_path < value + MIN_CONTRADICTING_COST.sqrt() * deviation
+        }) || motion::rapid_axis_of(freed).is_some_and(|axis| assumed_rapids[axis])
     };
     let mut fitted = last.values.iter().zip(&last.deviations);
     let estimates = all.iter().zip(&verdicts).enumerate().map(|(at, ((freed, before), verdict))| {
@@ -205,15 +202,15 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
             verdict: *verdict,
         }
     });
-    let estimates = alike::of_each_axis(estimates.collect(), alike, untold, machine);
+    let estimates = alike::of_each_axis(estimates.collect(), alike, untold.accelerations, machine);
     last.machine.calibrated_on.acceleration_deviations = motion::acceleration_deviations(&estimates);
     rapids::limit_feed_as_rapids(&mut last.machine, fitting.plateaus);
     let misfit = ramp_misfit(&last.machine, runs);
     last.machine.calibrated_on.ramp_misfit = misfit.of_path;
-    last.machine.calibrated_on.assumed_accelerations = untold;
-    last.machine.calibrated_on.least_accelerations = least_accelerations;
-    last.machine.calibrated_on.largest_override = largest_override;
-    last.machine.calibrated_on.other_chord_ratios = other_chord_ratios;
+    last.machine.calibrated_on.assumed_accelerations = untold.accelerations;
+    last.machine.calibrated_on.least_accelerations = untold.least_accelerations;
+    last.machine.calibrated_on.largest_override = untold.largest_override;
+    last.machine.calibrated_on.other_chord_ratios = untold.other_chord_ratios;
     last.machine.calibrated_on.assumed_rapids = assumed_rapids;
     last.machine.calibrated_on.only_rapid_feedrate =
         fitting.plateaus.and_then(|seen| seen.feedrates.only_one());

@@ -6,13 +6,18 @@
 //! and if the standard deviation of the fit is small. The machine file names the axes that are not determined, and
 //! a diagnosis fits their accelerations again beside a cause. It goes no lower than the least acceleration at which the
 //! calibrating runs would not have been slower: on the same program, a lower one cannot explain the lost time of a cause.
+//!
+//! An axis that excerpts of long runs determine is not looked for in the whole runs: the whole shows what its parts show, and a fit to
+//! excerpts takes a small part of the time.
 
 use crate::identification::calibration::alike::AlikeAxes;
 use crate::identification::calibration::judgement::Judgement;
 use crate::identification::calibration::motion::axis_of;
-use crate::identification::calibration::{MIN_CONTRADICTING_COST, ParameterVerdict, largest_shift};
+use crate::identification::calibration::{
+    MIN_CONTRADICTING_COST, ParameterVerdict, Share, largest_shift, run_fit, whitened_in_parts,
+};
 use crate::identification::effects::parameters::{AXIS_ACCELERATION, MAX_OVERRIDE};
-use crate::identification::fit::{Fit, FreeParameter, Run, Whitening, cost_of};
+use crate::identification::fit::{FTOL, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::{ArcChords, CHORD_ERROR_RATIOS, Machine};
 
 /// Least shift of any moment of the runs, s, from which they determine a limit. Below it, a fit follows the error
@@ -24,16 +29,78 @@ const HALVINGS: usize = 7;
 /// diagnosis calls more than that part of the lost time unexplained.
 pub const MAX_RELATIVE_DEVIATION: f64 = 0.05;
 
+/// Values that the runs of a calibration do not determine.
+pub struct Untold {
+    /// `true` for each axis whose acceleration the runs do not determine.
+    pub accelerations: [bool; 3],
+    /// See [`least`].
+    pub least_accelerations: Option<[f64; 3]>,
+    /// See [`largest_override`].
+    pub largest_override: Option<f64>,
+    /// See [`other_chord_ratios`].
+    pub other_chord_ratios: Vec<f64>,
+}
+
+impl Untold {
+    /// Returns what some runs do not determine of a judgement on them. `parts` are excerpts of the runs if these are long, and
+    /// `alike` the axes whose accelerations are one parameter.
+    pub fn of(
+        judgement: &Judgement,
+        alike: AlikeAxes,
+        parts: &[Run],
+        (runs, whitenings): (&[Run], &[Whitening]),
+        share: &mut Share,
+    ) -> Untold {
+        let calibrated = &judgement.last.machine;
+        let whole = Sample::new(calibrated, runs, whitenings);
+        let of_parts = whitened_in_parts(calibrated, parts);
+        let in_parts = (!parts.is_empty()).then(|| Sample::new(calibrated, parts, &of_parts));
+        let samples: Vec<&Sample> = in_parts.iter().chain([&whole]).collect();
+        let accelerations = untold(judgement, alike, &samples, share);
+        Untold {
+            accelerations,
+            least_accelerations: least(&whole, accelerations),
+            largest_override: largest_override(&whole),
+            other_chord_ratios: other_chord_ratios(&whole),
+        }
+    }
+}
+
+/// Runs, or excerpts of them, that may show a difference from the calibrated machine.
+struct Sample<'a> {
+    calibrated: &'a Machine,
+    runs: &'a [Run<'a>],
+    whitenings: &'a [Whitening],
+    /// Cost of the calibrated machine.
+    cost: f64,
+}
+
+impl<'a> Sample<'a> {
+    /// Returns the sample of some runs of a calibrated machine.
+    fn new(calibrated: &'a Machine, runs: &'a [Run<'a>], whitenings: &'a [Whitening]) -> Sample<'a> {
+        Sample { calibrated, runs, whitenings, cost: cost_of(calibrated, runs, whitenings) }
+    }
+
+    /// Returns `true` if the runs fit another machine as well as the calibrated one.
+    fn fits(&self, other: &Machine) -> bool {
+        cost_of(other, self.runs, self.whitenings) < self.cost + MIN_CONTRADICTING_COST
+    }
+
+    /// Returns `true` if the runs cannot distinguish another machine from the calibrated one.
+    fn is_blind_to(&self, other: &Machine) -> bool {
+        self.fits(other) || largest_shift([self.calibrated, other], self.runs) < MIN_MOVED_S
+    }
+
+    /// Returns the machine with parameters fitted to the sample, from a machine without a limit.
+    fn fitted(&self, without: &Machine, parameters: &[(FreeParameter, f64)], share: &mut Share) -> Machine {
+        run_fit(without, self.runs, parameters, self.whitenings, FTOL, share).machine
+    }
+}
+
 /// Returns `true` for each axis whose acceleration the runs do not determine: it is lent from other axes, its
 /// standard deviation is too large, or the other parameters fit as well without its limit. `alike` are the axes whose
-/// accelerations are one parameter.
-pub fn untold(
-    judgement: &Judgement,
-    alike: AlikeAxes,
-    runs: &[Run],
-    whitenings: &[Whitening],
-    mut fitted: impl FnMut(&Machine, &[(FreeParameter, f64)]) -> Fit,
-) -> [bool; 3] {
+/// accelerations are one parameter; `samples` are excerpts of the runs, if they are long, and the runs.
+fn untold(judgement: &Judgement, alike: AlikeAxes, samples: &[&Sample], share: &mut Share) -> [bool; 3] {
     let Judgement { all, believed, verdicts, last, .. } = judgement;
     let mut untold = [false; 3];
     let is_lent = |at: usize| verdicts[at] == ParameterVerdict::Unknown && !believed[at].is_finite();
@@ -47,7 +114,7 @@ pub fn untold(
         let mut without = last.machine.clone();
         without.axes[*axis].acceleration = f64::INFINITY;
         untold[*axis] = is_vague(last.machine.axes[*axis].acceleration, alike.deviations[*axis])
-            || is_unseen(&without, cost_of(&without, runs, whitenings), last, runs);
+            || samples.iter().all(|sample| sample.is_blind_to(&without));
     }
     let fitted_ones = (0..all.len()).filter(|at| verdicts[*at] == ParameterVerdict::Fitted);
     for (place, at) in fitted_ones.enumerate() {
@@ -61,26 +128,31 @@ pub fn untold(
         freed.apply(&mut without, freed.bounds.1);
         let is_freed =
             |other: usize| other != at && (verdicts[other] == ParameterVerdict::Fitted || is_lent(other));
-        let rest = (0..all.len()).filter(|other| is_freed(*other)).map(|other| {
-            let (freed, before) = &all[other];
-            (freed.starting_at(freed.handle.get(&last.machine).unwrap_or(freed.start)), *before)
+        let rest: Vec<(FreeParameter, f64)> = (0..all.len())
+            .filter(|other| is_freed(*other))
+            .map(|other| {
+                let (freed, before) = &all[other];
+                (freed.starting_at(freed.handle.get(&last.machine).unwrap_or(freed.start)), *before)
+            })
+            .collect();
+        untold[axis] = samples.iter().all(|sample| {
+            // A fit of the others only comes nearer to the runs.
+            sample.is_blind_to(&without) || sample.is_blind_to(&sample.fitted(&without, &rest, share))
         });
-        let rest = fitted(&without, &rest.collect::<Vec<_>>());
-        untold[axis] = is_unseen(&rest.machine, rest.cost, last, runs);
     }
     untold
 }
 
 /// Returns the least acceleration of each axis that is `untold`, mm/s²: with a lower one the runs would have been slower.
 /// 0 for the other axes; `None` if there are no untold ones.
-pub fn least(last: &Fit, untold: [bool; 3], runs: &[Run], whitenings: &[Whitening]) -> Option<[f64; 3]> {
+fn least(whole: &Sample, untold: [bool; 3]) -> Option<[f64; 3]> {
     let of_axis = |axis: usize| {
-        let own = last.machine.axes[axis].acceleration;
+        let own = whole.calibrated.axes[axis].acceleration;
         let lowest = AXIS_ACCELERATION[axis].assumed(own, 0.0).bounds.0;
         let is_allowed = |acceleration: f64| {
-            let mut lower = last.machine.clone();
+            let mut lower = whole.calibrated.clone();
             lower.axes[axis].acceleration = acceleration;
-            is_unseen(&lower, cost_of(&lower, runs, whitenings), last, runs)
+            whole.is_blind_to(&lower)
         };
         if !untold[axis] || !own.is_finite() {
             return 0.0;
@@ -100,15 +172,15 @@ pub fn least(last: &Fit, untold: [bool; 3], runs: &[Run], whitenings: &[Whitenin
 
 /// Returns the largest override for which the control may plan its corners as far as the runs show; `None` if they
 /// determine that override, or if the control does not blend corners in time.
-pub fn largest_override(last: &Fit, runs: &[Run], whitenings: &[Whitening]) -> Option<f64> {
-    let interpolator = &last.machine.interpolator;
+fn largest_override(whole: &Sample) -> Option<f64> {
+    let interpolator = &whole.calibrated.interpolator;
     let is_allowed = |other: &&Machine| {
         interpolator.junction.blends_in_time()
             && interpolator.max_override < other.interpolator.max_override
-            && cost_of(other, runs, whitenings) < last.cost + MIN_CONTRADICTING_COST
+            && whole.fits(other)
     };
     MAX_OVERRIDE
-        .guesses_on(&last.machine)
+        .guesses_on(whole.calibrated)
         .iter()
         .filter(is_allowed)
         .map(|other| other.interpolator.max_override)
@@ -117,18 +189,10 @@ pub fn largest_override(last: &Fit, runs: &[Run], whitenings: &[Whitening]) -> O
 
 /// Returns those of [`CHORD_ERROR_RATIOS`] at which the chords of arcs would be the same to the runs, because other limits
 /// slow their arcs, or because they have none; none if the control has no chords.
-pub fn other_chord_ratios(last: &Fit, runs: &[Run], whitenings: &[Whitening]) -> Vec<f64> {
-    let has_chords = last.machine.interpolator.arc_chords != ArcChords::Whole;
-    let is_allowed = |ratio: &f64| {
-        let other = last.machine.with_scaled_chords(*ratio);
-        is_unseen(&other, cost_of(&other, runs, whitenings), last, runs)
-    };
+fn other_chord_ratios(whole: &Sample) -> Vec<f64> {
+    let has_chords = whole.calibrated.interpolator.arc_chords != ArcChords::Whole;
+    let is_allowed = |ratio: &f64| whole.is_blind_to(&whole.calibrated.with_scaled_chords(*ratio));
     CHORD_ERROR_RATIOS.into_iter().filter(|ratio| has_chords && is_allowed(ratio)).collect()
-}
-
-/// Returns `true` if the runs cannot distinguish a machine with this cost from the machine of the last fit.
-fn is_unseen(machine: &Machine, cost: f64, last: &Fit, runs: &[Run]) -> bool {
-    cost < last.cost + MIN_CONTRADICTING_COST || largest_shift([&last.machine, machine], runs) < MIN_MOVED_S
 }
 
 #[cfg(test)]
@@ -137,11 +201,11 @@ mod tests {
 
     use super::*;
     use crate::identification::alignment::recorded;
+    use crate::identification::fit::Fit;
     use crate::machine::{FREE_BLEND_MM, Junction, Planner};
 
-    /// Calls `test` with legs along X and Y that are blended within a tolerance, mm, and with a fit that has the machine that
-    /// ran them.
-    fn on_blended_legs(tolerance: f64, test: impl FnOnce(Fit, &[Run], &[Whitening])) {
+    /// Calls `test` with the run of legs along X and Y that are blended within a tolerance, mm.
+    fn on_blended_legs(tolerance: f64, test: impl FnOnce(Sample)) {
         let mut machine = Machine::default();
         machine.interpolator.junction = Junction::AccelerationBlend;
         machine.interpolator.contour_tolerance = tolerance;
@@ -149,40 +213,45 @@ mod tests {
         on_program("G1 X100 F3000\nY100\nX0\nY0", machine, test);
     }
 
-    /// Calls `test` with the run of a program, and with a fit that has the machine that ran it.
-    fn on_program(program: &str, machine: Machine, test: impl FnOnce(Fit, &[Run], &[Whitening])) {
+    /// Calls `test` with the run of a program by a machine that is calibrated exactly.
+    fn on_program(program: &str, machine: Machine, test: impl FnOnce(Sample)) {
         let (toolpath, alignment) = recorded(program, &machine, 1e-3);
         let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
         let whitenings = [Whitening::new(&alignment, 1e-3)];
+        test(Sample::new(&machine, &runs, &whitenings));
+    }
+
+    fn on_legs(test: impl FnOnce(Sample)) {
+        on_blended_legs(0.01, test);
+    }
+
+    /// Returns what [`untold`] says of X and Y, whose accelerations are one parameter, if that of Y has this deviation, mm/s².
+    fn untold_of_alike(deviation_of_y: f64, samples: &[&Sample]) -> [bool; 3] {
         let last = Fit {
-            cost: cost_of(&machine, &runs, &whitenings),
-            machine,
+            machine: samples[0].calibrated.clone(),
             values: Vec::new(),
             deviations: Vec::new(),
             correlations: DMatrix::zeros(0, 0),
+            cost: samples[0].cost,
             whitened: Vec::new(),
             converged: true,
         };
-        test(last, &runs, &whitenings);
-    }
-
-    fn on_legs(test: impl FnOnce(Fit, &[Run], &[Whitening])) {
-        on_blended_legs(0.01, test);
+        let (all, believed, verdicts, deviations) = Default::default();
+        let judgement = Judgement { all, believed, verdicts, deviations, last };
+        let alike = AlikeAxes { axes: &[0, 1], deviations: [1.0, deviation_of_y, f64::INFINITY] };
+        let progress = &mut |_| panic!("nothing is fitted");
+        untold(&judgement, alike, samples, &mut Share { done: 0.0, part: 0.0, progress })
     }
 
     /// A tolerance keeps the corners as small as they are without any override.
     #[test]
     fn corners_within_a_tolerance_do_not_show_the_override_that_they_are_planned_for() {
-        let largest = |last: Fit, runs: &[Run], whitenings: &[Whitening]| {
-            assert_eq!(last.machine.interpolator.max_override, 1.0);
-            largest_override(&last, runs, whitenings)
+        let largest = |whole: Sample| {
+            assert_eq!(whole.calibrated.interpolator.max_override, 1.0);
+            largest_override(&whole)
         };
-        on_blended_legs(0.01, |last, runs, whitenings| {
-            assert_eq!(largest(last, runs, whitenings), Some(2.0))
-        });
-        on_blended_legs(FREE_BLEND_MM, |last, runs, whitenings| {
-            assert_eq!(largest(last, runs, whitenings), None)
-        });
+        on_blended_legs(0.01, |whole| assert_eq!(largest(whole), Some(2.0)));
+        on_blended_legs(FREE_BLEND_MM, |whole| assert_eq!(largest(whole), None));
     }
 
     /// On chords of length l, grbl is no faster than v² = 8 a δ (r/l)², 54 mm/s here: neither shorter nor longer chords change a feed of
@@ -195,9 +264,7 @@ mod tests {
             machine.interpolator.junction = Junction::Deviation(5e-4);
             let program = format!("G1 X10 F{feed}\nG3 X10 Y20 I0 J10\nG1 X0\nG3 X0 Y0 I0 J-10\n");
             let mut found = Vec::new();
-            on_program(&program, machine, |last, runs, whitenings| {
-                found = other_chord_ratios(&last, runs, whitenings);
-            });
+            on_program(&program, machine, |whole| found = other_chord_ratios(&whole));
             found
         };
         assert_eq!(ratios(1000.0), CHORD_ERROR_RATIOS);
@@ -208,30 +275,37 @@ mod tests {
     /// Both axes hold the run back, but the runs hardly determine the value of Y.
     #[test]
     fn an_alike_axis_with_a_vague_value_is_untold() {
-        on_legs(|last, runs, whitenings| {
-            let (all, believed, verdicts, deviations) = Default::default();
-            let judgement = Judgement { all, believed, verdicts, deviations, last };
-            let untold_with = |deviation_of_y: f64| {
-                let alike = AlikeAxes { axes: &[0, 1], deviations: [1.0, deviation_of_y, f64::INFINITY] };
-                untold(&judgement, alike, runs, whitenings, |_, _| unreachable!("nothing is fitted"))
+        on_legs(|whole| {
+            assert_eq!(untold_of_alike(20.0, &[&whole]), [false; 3]);
+            assert_eq!(untold_of_alike(30.0, &[&whole]), [false, true, false]);
+            assert_eq!(untold_of_alike(f64::INFINITY, &[&whole]), [false, true, false]);
+        });
+    }
+
+    /// Legs along X alone do not show Y, and those of the whole run do.
+    #[test]
+    fn an_axis_is_told_if_one_sample_shows_it() {
+        on_legs(|whole| {
+            let blind = |part: Sample| {
+                assert_eq!(untold_of_alike(20.0, &[&part]), [false, true, false]);
+                assert_eq!(untold_of_alike(20.0, &[&part, &whole]), [false; 3]);
+                assert_eq!(untold_of_alike(20.0, &[&whole, &part]), [false; 3]);
             };
-            assert_eq!(untold_with(20.0), [false; 3]);
-            assert_eq!(untold_with(30.0), [false, true, false]);
-            assert_eq!(untold_with(f64::INFINITY), [false, true, false]);
+            on_program("G1 X100 F3000\nX0", whole.calibrated.clone(), blind);
         });
     }
 
     #[test]
     fn a_lower_acceleration_than_the_least_one_would_have_slowed_the_runs() {
-        on_legs(|last, runs, whitenings| {
-            assert_eq!(least(&last, [false; 3], runs, whitenings), None);
-            let found = least(&last, [false, true, true], runs, whitenings).expect("two are untold");
+        on_legs(|whole| {
+            assert_eq!(least(&whole, [false; 3]), None);
+            let found = least(&whole, [false, true, true]).expect("two are untold");
             // The runs determine X. Z never moves, so any acceleration that a fit tries is allowed.
             assert!(found[0] == 0.0 && (found[2] - 50.0).abs() < 1e-9, "{found:?}");
             let shift = |ratio: f64| {
-                let mut slower = last.machine.clone();
+                let mut slower = whole.calibrated.clone();
                 slower.axes[1].acceleration = ratio * found[1];
-                largest_shift([&last.machine, &slower], runs)
+                largest_shift([whole.calibrated, &slower], whole.runs)
             };
             assert!(MIN_MOVED_S < shift(0.99) && shift(1.02) < MIN_MOVED_S, "{found:?}");
         });
