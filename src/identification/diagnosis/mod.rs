@@ -164,7 +164,9 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
         }
         let Some(lost) = lost_time_worth_a_search(machine, with_best_cause, runs, true) else { return false };
         let first = calibrated_first.insert(CalibratedFirst::of(machine, runs, progress));
-        has_other_family = is_other_family(machine, &first.machine) && first.replaces_file(lost, true);
+        // A cause that makes another family of a file is a part of a calibration.
+        let is_replaced = is_other_family(machine, with_best_cause) || first.replaces_file(lost, true);
+        has_other_family = is_other_family(machine, &first.machine) && is_replaced;
         has_other_family
     };
     let as_it_is =
@@ -186,7 +188,6 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     // Causes of drives do not count: they explain the form of the path and no time.
     let is_of_time = |cause: &Cause| cause.candidate.hypothesis.effect.nature != Nature::Drive;
     let has_causes = as_it_is.causes.iter().any(is_of_time);
-    // A cause that makes another family of a file is a part of a calibration.
     has_other_family |=
         is_other_family(machine, &as_it_is.machine) && is_other_family(machine, &first.machine);
     if !has_other_family && !first.replaces_file(as_it_is.left.0, has_causes) {
