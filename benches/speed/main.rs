@@ -3,6 +3,7 @@
 //! ```text
 //! cargo bench --bench speed                 a million lines and less, prints the table
 //! cargo bench --bench speed -- write        ten million lines as well, writes docs/speed.md
+//! cargo bench --bench speed -- recordings   the table of recordings alone
 //! ```
 //!
 //! One yardstick reads the bytes once; the other is the crate `async-gcode`, which splits the same bytes into
@@ -11,6 +12,7 @@
 //! load on the computer affects them alike; each number is the best of all rounds.
 
 mod programs;
+mod recordings;
 
 use std::hint::black_box;
 use std::num::NonZero;
@@ -22,6 +24,7 @@ use std::time::Instant;
 
 use futures::Stream;
 use programs::Made;
+use recordings::LogWork;
 use truefeed::machine::Machine;
 use truefeed::plot::Programmed;
 use truefeed::plot::path::{SteppedCurve, Trail};
@@ -255,17 +258,33 @@ fn peak_memory() -> f64 {
 
 /// Measures in a separate process.
 fn measured(work: Work, made: Made, lines: usize) -> Measured {
+    let [time, peak, size] = numbers_of(["measure", work.word(), made.word(), &lines.to_string()]);
+    Measured { time, peak, size }
+}
+
+/// Returns the numbers that this program prints when it is started with these arguments.
+fn numbers_of<const N: usize, const M: usize>(arguments: [&str; N]) -> [f64; M] {
     let own = std::env::current_exe().expect("this program has a path");
-    let output = Command::new(own)
-        .args(["measure", work.word(), made.word(), &lines.to_string()])
-        .output()
-        .expect("this program can be started");
+    let output = Command::new(own).args(arguments).output().expect("this program can be started");
     let text = String::from_utf8_lossy(&output.stdout);
     let numbers: Vec<f64> = text.split_whitespace().filter_map(|number| number.parse().ok()).collect();
-    let &[time, peak, size] = &numbers[..] else {
-        panic!("{} of {lines} lines did not end: {}", work.word(), String::from_utf8_lossy(&output.stderr))
-    };
-    Measured { time, peak, size }
+    numbers.try_into().unwrap_or_else(|_| {
+        panic!("{} did not end: {}", arguments.join(" "), String::from_utf8_lossy(&output.stderr))
+    })
+}
+
+/// Returns the table of the work on recordings of an hour.
+fn recordings_table() -> String {
+    let mut text = "\n## The recording of an hour\n
+Another machine than the preset, a planner with junction deviation, runs the roughing program for an hour; its positions are recorded every
+10 ms. Seconds that pass, on all processors; `calibrate by two` has an hour of arcs as well.\n
+| work | s | × simulating the program |\n|---|---:|---:|\n"
+        .to_string();
+    let found = LogWork::ALL.map(|work| numbers_of::<2, 1>(["measure-log", work.word()])[0]);
+    for (work, seconds) in LogWork::ALL.iter().zip(found) {
+        text += &format!("| {} | {seconds:.2} | {:.0} |\n", work.word(), seconds / found[0]);
+    }
+    text
 }
 
 /// Returns the best of all rounds for each work.
@@ -285,11 +304,16 @@ fn main() {
             let work = Work::ALL.into_iter().find(|known| known.word() == work).expect("a work");
             measure(work, Made::from_word(made).expect("a program"), lines.parse().expect("a number"));
         }
+        ["measure-log", work] => {
+            let work = LogWork::ALL.into_iter().find(|known| known.word() == work).expect("a work");
+            println!("{}", work.seconds());
+        }
         ["write", made, lines] => {
             let made = Made::from_word(made).expect("a program");
             let text = made.text(lines.parse().expect("a number"));
             std::io::Write::write_all(&mut std::io::stdout(), &text).expect("text can be written");
         }
+        ["recordings"] => print!("{}", recordings_table()),
         ["write"] => {
             let page = page(true);
             print!("{page}");
@@ -361,6 +385,7 @@ fn page(is_whole: bool) -> String {
         targets.push(("ten million lines planned, × one million", long.time / of(Work::Plan).time, 10.5));
         targets.push(("peak memory of that plan, × file", long.peak / long.size, 3.0));
     }
+    text += &recordings_table();
     text += "\n## Against the targets\n\n| what | found | target | |\n|---|---:|---:|---|\n";
     for (what, found, target) in targets {
         let is_met = if found <= target { "met" } else { "missed" };
