@@ -48,7 +48,7 @@ const MAX_DIFFERENCE_SHARE_ELSEWHERE: f64 = 0.1;
 /// Largest difference of their costs, as a part of the gain of the better one, that feedrates which are closer with the
 /// other outweigh.
 const MAX_CONTRADICTED_SHARE: f64 = 0.1;
-/// Least part of the gain of a wait that a feed hold at the same place has on a planner, whose ramps it lacks.
+/// Least part of the gain of a wait that a feed hold at the same place has where corners are blends, with ramps that are too steep.
 const MIN_HOLD_GAIN_SHARE: f64 = 0.5;
 /// Largest difference, as a ratio, between a setting and the believed one at which the setting counts as unchanged.
 /// Overrides and the clock ratio need no such range: their believed value is exactly 1.
@@ -144,9 +144,9 @@ fn alike(
         if apart < MAX_ALIKE_COST * dispersion {
             return true;
         }
-        // A simulated hold interrupts the command at once. Beside a planner, which brakes for a wait, that error decides.
+        // A simulated hold brakes with the whole acceleration where corners are blends. Beside a wait, that error decides.
         let effects = [&candidate.hypothesis, &other.hypothesis].map(|own| own.effect);
-        if base.limits_command()
+        if base.interpolator.junction.blends_in_time()
             && effects == [UNMODELLED_WAIT, FEED_HOLD]
             && apart < (1.0 - MIN_HOLD_GAIN_SHARE) * gain
         {

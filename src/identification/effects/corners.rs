@@ -57,26 +57,36 @@ fn arcs(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
     Some(Hypothesis::single(effect, freed, trials, report).variant("arcs"))
 }
 
+/// Returns the hypotheses of another junction law, or of another value of the machine's. No control changes its law, so a machine
+/// with a law is offered no other, except for the two ways in which LinuxCNC blends corners.
 pub fn junctions(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let machine = context.machine;
-    // Two of these laws are laws of an acceleration, and mean nothing without one.
-    let is_accelerated = machine.path.acceleration.is_finite()
-        || machine.axes.iter().any(|axis| axis.acceleration.is_finite());
     let rule = |word: &'static str, parameter: Adjustable, trials: Vec<f64>, unit: fn(f64) -> f64| {
         let report = move |value| vec![RULE.word(word), VALUE.number(unit(value))];
         Hypothesis::single(effect, parameter.tried(), trials, report).variant(word.replace('_', " "))
     };
-    let mut all = Vec::new();
-    if is_accelerated {
-        let (parameter, trials) = (parameters::JUNCTION_DEVIATION, ratios(1e-3, 0.3, 8));
-        all.push(rule("junction_deviation", parameter, trials, |value| value));
-        let (parameter, trials) = (parameters::SQUARE_CORNER_VELOCITY, ratios(0.3, 60.0, 8));
-        all.push(rule("square_corner_velocity", parameter, trials, mm_per_min));
+    let deviation =
+        || rule("junction_deviation", parameters::JUNCTION_DEVIATION, ratios(1e-3, 0.3, 8), |value| value);
+    let square_corner = || {
+        let trials = ratios(0.3, 60.0, 8);
+        rule("square_corner_velocity", parameters::SQUARE_CORNER_VELOCITY, trials, mm_per_min)
+    };
+    let step = || {
+        let trials = ratios(0.3, 60.0, 10);
+        rule("axis_velocity_step", parameters::AXIS_VELOCITY_STEP, trials, mm_per_min)
+    };
+    // Two of these laws are laws of an acceleration, and mean nothing without one.
+    let is_accelerated = machine.path.acceleration.is_finite()
+        || machine.axes.iter().any(|axis| axis.acceleration.is_finite());
+    match machine.interpolator.junction {
+        Junction::Tolerance if is_accelerated => vec![deviation(), square_corner(), step()],
+        Junction::Tolerance | Junction::AxisStep(_) => vec![step()],
+        Junction::Deviation(_) => vec![deviation()],
+        Junction::SquareCorner(_) => vec![square_corner()],
+        Junction::AccelerationBlend | Junction::ParabolicBlend | Junction::ExactPath => {
+            parabolas(effect, machine).into_iter().collect()
+        }
     }
-    let (parameter, trials) = (parameters::AXIS_VELOCITY_STEP, ratios(0.3, 60.0, 10));
-    all.push(rule("axis_velocity_step", parameter, trials, mm_per_min));
-    all.extend(parabolas(effect, machine));
-    all
 }
 
 /// Returns the hypothesis that LinuxCNC blends corners by parabolas instead of circles; `None` if the machine does
@@ -161,4 +171,27 @@ fn corner_smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<H
     let freed = parameters::CORNER_SMOOTHING.tried();
     let report = |value| vec![TOLERANCE.number(value), AT.word("corners")];
     Some(Hypothesis::single(effect, freed, trials, report).variant("corners"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::effects::table::JUNCTION_RULE;
+
+    #[test]
+    fn a_control_with_a_junction_law_is_offered_no_other() {
+        let rules = |junction: Junction| -> Vec<String> {
+            let mut machine = Machine::default();
+            machine.axes.iter_mut().for_each(|axis| axis.acceleration = 500.0);
+            machine.interpolator.junction = junction;
+            let all = junctions(JUNCTION_RULE, &Context::new(&machine, &[]));
+            all.into_iter().map(|own| own.variant).collect()
+        };
+        let all = ["junction deviation", "square corner velocity", "axis velocity step"];
+        assert_eq!(rules(Junction::Tolerance), all);
+        assert_eq!(rules(Junction::Deviation(0.01)), all[..1]);
+        assert_eq!(rules(Junction::SquareCorner(5.0)), all[1..2]);
+        assert_eq!(rules(Junction::AxisStep(5.0)), all[2..]);
+        assert_eq!(rules(Junction::AccelerationBlend), ["parabolas"]);
+    }
 }

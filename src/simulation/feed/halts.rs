@@ -1,13 +1,13 @@
 //! Halts that the program does not request, in the feed plan: pulses of feedrate 0.
 //!
 //! A halt of t seconds is a pulse of feedrate 0 that lasts t, so that the command is interrupted and then
-//! continues unchanged. The filters run empty meanwhile, and the motion ramps down and up again as at a full
+//! continues unchanged; for a feed hold see [`feed_hold`](crate::simulation::feed::feed_hold). The filters run empty meanwhile, and the motion ramps down and up again as at a full
 //! stop. A halt costs t exactly, however short it is: the command is later by t from there on, and its area
 //! does not change.
 //!
 //! | halt | where its pulse lies |
 //! |---|---|
-//! | feed hold | within the pulse that sends its place, which it divides |
+//! | feed hold | at its place, between ramps if accelerations limit the command |
 //! | wait before a line that moves first | before the first pulse of its rest-to-rest motion |
 //! | wait at an S word in a block of motion | before the first pulse of its rest-to-rest motion |
 //! | wait of the first feed move for the spindle | before the first pulse of its rest-to-rest motion |
@@ -19,15 +19,14 @@
 //!
 //! A spindle ramp begins at its M word, and dwells and rapid moves overlap it. If an S word among moves starts the ramp, the
 //! model lets it begin at the feed move.
-//!
-//! Limits: a feed hold interrupts the command at once, even if an acceleration limit acts before the filters.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use crate::machine::Machine;
-use crate::simulation::feed::{FeedPlan, Phase, Pulse, Pulses, exact_stop_by_turn, total_duration};
+use crate::machine::{FunctionTimes, Halts, Machine};
+use crate::simulation::feed::feed_hold::FeedHold;
+use crate::simulation::feed::{FeedPlan, Phase, Pulse, exact_stop_by_turn, total_duration};
 use crate::simulation::toolpath::{Segment, Segments, StopCause, Toolpath};
 
 /// The halts of a toolpath on a machine.
@@ -52,13 +51,14 @@ struct AwaitedRamp {
     begins_at_stop: bool,
 }
 
-/// Splits a machine into one without its feed holds and one with nothing but them; returns the machine itself
-/// and `None` if it has none.
+/// Splits a machine into one without its feed holds and one with no other halts; returns the machine itself and `None` if it
+/// has none.
 pub(super) fn feed_holds_apart(machine: &Machine) -> (Cow<'_, Machine>, Option<Machine>) {
     if machine.halts.feed_holds.is_empty() {
         return (Cow::Borrowed(machine), None);
     }
-    let (mut without, mut holds) = (machine.clone(), Machine::default());
+    let (mut without, mut holds) = (machine.clone(), machine.clone());
+    (holds.halts, holds.times) = (Halts::default(), FunctionTimes::default());
     holds.halts.feed_holds = std::mem::take(&mut without.halts.feed_holds);
     holds.halts.feed_hold_places = std::mem::take(&mut without.halts.feed_hold_places);
     (Cow::Owned(without), Some(holds))
@@ -177,11 +177,16 @@ impl HaltSchedule {
             if 0.0 < seconds {
                 plan.pulses.push(halt(start, 0.0, seconds));
             }
-            for own in pulses.by_segment(rest_to_rest.pulses.clone()) {
-                match self.holds.get(&pulses.segment(own.start)) {
-                    Some(&(place, seconds)) => held(&pulses, own, place, seconds, &mut plan.pulses),
-                    None => plan.pulses.extend(pulses.range(own)),
+            let mut holds = self.holds.range(rest_to_rest.segments.clone()).peekable();
+            if holds.peek().is_none() {
+                plan.pulses.extend(pulses.range(rest_to_rest.pulses.clone()));
+            } else {
+                let mut held: Vec<Pulse> = pulses.range(rest_to_rest.pulses.clone()).collect();
+                for (&segment, &(along, duration)) in holds {
+                    let hold = FeedHold { segment, along, duration };
+                    held = hold.put_into(&held, &toolpath.segments, machine);
                 }
+                plan.pulses.extend(held);
             }
             let last = rest_to_rest.segments.end - 1;
             let goes_on = matches!(phases.peek(), Some(Phase::Motion(_)));
@@ -233,28 +238,4 @@ fn place_on(segments: &Segments, range: Range<usize>, part: f64) -> (usize, f64)
         left -= length;
     }
     (last, left.min(segments.length(last)))
-}
-
-/// Adds the pulses of one segment, whose indices in `all` are `own`, with the command interrupted for
-/// `seconds` at `place` (mm along the segment).
-fn held(all: &Pulses, own: Range<usize>, place: f64, seconds: f64, pulses: &mut Pulses) {
-    let divided = own.clone().rfind(|&index| all.at(index).offset <= place).unwrap_or(own.start);
-    pulses.extend(all.range(own.start..divided));
-    let pulse = all.at(divided);
-    let [first, last] = pulse.feedrate;
-    let slope = (last - first) / pulse.duration;
-    let way = (place - pulse.offset).max(0.0);
-    // first t + slope t²/2 = way, without a difference of like numbers.
-    let root = (first * first + 2.0 * slope * way).max(0.0).sqrt();
-    let before = if 0.0 < way { (2.0 * way / (first + root)).min(pulse.duration) } else { 0.0 };
-    let there = first + slope * before;
-    let offset = pulse.offset + before * 0.5 * (first + there);
-    if 0.0 < before {
-        pulses.push(Pulse { duration: before, feedrate: [first, there], ..pulse });
-    }
-    pulses.push(Pulse { duration: seconds, offset, feedrate: [0.0, 0.0], ..pulse });
-    if before < pulse.duration {
-        pulses.push(Pulse { duration: pulse.duration - before, offset, feedrate: [there, last], ..pulse });
-    }
-    pulses.extend(all.range(divided + 1..own.end));
 }

@@ -32,7 +32,7 @@
 //! arcs, derived from the geometry.
 
 use crate::machine::{Junction, Machine};
-use crate::simulation::feed::limits;
+use crate::simulation::feed::{limits, positioning};
 use crate::simulation::toolpath::{Curve, Segment, Vector};
 
 /// The geometry of a corner on which junction laws depend.
@@ -138,6 +138,24 @@ pub fn in_plane([before, after]: [Vector; 2], limits: [f64; 3]) -> f64 {
 fn direction(vector: Vector) -> Vector {
     let length = vector.norm();
     if length == 0.0 { vector } else { vector / length }
+}
+
+/// Returns the acceleration limit along a segment, mm/s², before an arc leaves a part of it to the turn.
+pub fn acceleration_before_turn(segment: &Segment, machine: &Machine) -> f64 {
+    let own = match machine.interpolator.junction.blends_in_time() {
+        true => limits::blended_acceleration(segment, machine),
+        false => limits::acceleration(segment, machine),
+    };
+    positioning::acceleration(segment, own, machine)
+}
+
+/// Returns the acceleration of ramps on a segment between its corners, mm/s².
+pub fn acceleration_of_block(segment: &Segment, machine: &Machine) -> f64 {
+    let own = acceleration_before_turn(segment, machine);
+    match machine.interpolator.junction.blends_in_time() {
+        true => acceleration(segment, own, machine),
+        false => own,
+    }
 }
 
 /// Returns the acceleration along a segment between its corners, mm/s²: on an arc, the part that the turn

@@ -47,6 +47,7 @@ mod circle_contact;
 mod corner_blend;
 mod corner_curve;
 mod cruise;
+mod feed_hold;
 mod halts;
 pub mod junction;
 pub mod limits;

@@ -180,18 +180,9 @@ impl SegmentLimits {
             largest = largest.max(requested);
             let mut feedrate = requested.min(limits::curve_feedrate(&segment, machine));
             if has_accelerations {
-                let own = if is_blended {
-                    limits::blended_acceleration(&segment, machine)
-                } else {
-                    limits::acceleration(&segment, machine)
-                };
-                let own = positioning::acceleration(&segment, own, machine);
+                let own = junction::acceleration_before_turn(&segment, machine);
                 feedrate = feedrate.min(limits::blended_arc_feedrate(&segment, own, machine));
-                accelerations.push(if is_blended {
-                    junction::acceleration(&segment, own, machine)
-                } else {
-                    own
-                });
+                accelerations.push(junction::acceleration_of_block(&segment, machine));
             }
             feedrates.extend(repeat_n(feedrate, end - index));
         }
