@@ -59,6 +59,10 @@ pub struct CalibratedOn {
     /// Accelerations that X, Y and Z have at least, mm/s², 0 for an axis whose acceleration was not assumed: with lower
     /// ones the runs would have been slower. `None` if no acceleration was assumed.
     pub least_accelerations: Option<[f64; 3]>,
+    /// Jerks that X, Y and Z have at least on ramps, mm/s³, 0 for an axis whose jerk was not assumed; with lower ones the runs
+    /// would have been slower. The jerk of such an axis was taken from other axes, or is the least one. `None` if no jerk was
+    /// assumed.
+    pub least_jerks: Option<[f64; 3]>,
     /// Relative standard deviations of the accelerations of X, Y and Z: 0 for an assumed one, `None` if all are unknown. If the
     /// machine limits the acceleration along the path, an axis without a limit has the deviation of that.
     pub acceleration_deviations: Option<[f64; 3]>,

@@ -172,6 +172,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let untold = Untold::of(&judgement, alike, &parts, (runs, &whitenings), &mut fitting.share);
     let kept: Vec<(FreeParameter, f64)> = judgement.fitted().cloned().collect();
     let Judgement { all, believed, verdicts, deviations, mut last } = judgement;
+    untold.lower_open_jerks(&mut last, &kept);
     let assumed_rapids = rapids::assumed(&last.machine, fitting.plateaus);
     let of_path = last.machine.path.acceleration;
     let is_untold = |freed: &FreeParameter, value: f64, deviation: f64| {
@@ -209,6 +210,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     last.machine.calibrated_on.ramp_misfit = misfit.of_path;
     last.machine.calibrated_on.assumed_accelerations = untold.accelerations;
     last.machine.calibrated_on.least_accelerations = untold.least_accelerations;
+    last.machine.calibrated_on.least_jerks = untold.least_jerks;
     last.machine.calibrated_on.largest_override = untold.largest_override;
     last.machine.calibrated_on.other_chord_ratios = untold.other_chord_ratios;
     last.machine.calibrated_on.assumed_rapids = assumed_rapids;

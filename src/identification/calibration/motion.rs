@@ -18,6 +18,9 @@ use crate::identification::effects::parameters::{self, Adjustable};
 use crate::identification::fit::{FreeParameter, Run};
 use crate::machine::{FREE_BLEND_MM, Machine, TimeConstants};
 
+/// Largest relative standard deviation of an acceleration that a machine file states: with a larger one the value is unknown.
+const MAX_DEVIATION_RATIO: f64 = 1.0;
+
 /// Returns the parameters of motion of the family of `guess`, each with its value in `before`. Planners have the
 /// rates of rapids that `plateaus` show.
 pub fn motion(
@@ -135,12 +138,12 @@ pub fn axis_of(freed: &FreeParameter) -> Option<usize> {
     axis_among(parameters::AXIS_ACCELERATION, freed)
 }
 
-/// Returns the relative standard deviations of the accelerations of X, Y and Z: 0 for an unknown one, `None` if all are
-/// unknown. The deviation along the path replaces the missing one of an axis.
+/// Returns the relative standard deviations of the accelerations of X, Y and Z, at most [`MAX_DEVIATION_RATIO`]: 0 for an unknown
+/// one, `None` if all are unknown. The deviation along the path replaces the missing one of an axis.
 pub fn acceleration_deviations(estimates: &[Estimate]) -> Option<[f64; 3]> {
     let of = |parameter: Adjustable| {
         let estimate = estimates.iter().find(|estimate| estimate.key == parameter.key)?;
-        estimate.deviation.map(|deviation| deviation / estimate.value)
+        estimate.deviation.map(|deviation| (deviation / estimate.value).min(MAX_DEVIATION_RATIO))
     };
     let along_path = of(parameters::PATH_ACCELERATION);
     let of_axes = parameters::AXIS_ACCELERATION.map(|parameter| of(parameter).or(along_path));
@@ -156,4 +159,24 @@ pub fn rapid_axis_of(freed: &FreeParameter) -> Option<usize> {
 pub fn axis_among(parameters: [Adjustable; 3], freed: &FreeParameter) -> Option<usize> {
     let key = freed.handle.key();
     parameters.iter().position(|own| own.key == key)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::calibration::ParameterVerdict;
+
+    /// A planner whose ramps a jerk limits reaches its acceleration nowhere, so a fit hardly depends on that.
+    #[test]
+    fn a_machine_file_states_no_deviation_above_the_acceleration() {
+        let along_path = |deviation: f64| Estimate {
+            key: parameters::PATH_ACCELERATION.key.to_string(),
+            before: f64::INFINITY,
+            value: 900.0,
+            deviation: Some(deviation),
+            verdict: ParameterVerdict::Fitted,
+        };
+        assert_eq!(acceleration_deviations(&[along_path(9.0)]), Some([0.01; 3]));
+        assert_eq!(acceleration_deviations(&[along_path(1.3e6)]), Some([1.0; 3]));
+    }
 }

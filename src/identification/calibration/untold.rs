@@ -1,4 +1,4 @@
-//! Accelerations that the runs do not determine.
+//! Accelerations, and jerks on ramps, that the runs do not determine.
 //!
 //! An axis that never ramps at its limit leaves it open. Two axes that only ramp together leave both open: a line
 //! in the direction d has the acceleration min_k a_k/|d_k|, and one direction does not show which of them is the
@@ -12,19 +12,21 @@
 
 use crate::identification::calibration::alike::AlikeAxes;
 use crate::identification::calibration::judgement::Judgement;
-use crate::identification::calibration::motion::axis_of;
+use crate::identification::calibration::motion::{axis_among, axis_of};
 use crate::identification::calibration::{
     MIN_CONTRADICTING_COST, ParameterVerdict, Share, largest_shift, run_fit, whitened_in_parts,
 };
-use crate::identification::effects::parameters::{AXIS_ACCELERATION, MAX_OVERRIDE};
-use crate::identification::fit::{FTOL, FreeParameter, Run, Whitening, cost_of};
+use crate::identification::effects::parameters::{AXIS_ACCELERATION, AXIS_JERK, Adjustable, MAX_OVERRIDE};
+use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::{ArcChords, CHORD_ERROR_RATIOS, Machine};
 
 /// Least shift of any moment of the runs, s, from which they determine a limit. Below it, a fit follows the error
 /// of the model.
 const MIN_MOVED_S: f64 = 0.015;
-/// Number of halvings of the range, as a ratio, in which a least acceleration is searched: to 1.8 %.
-const HALVINGS: usize = 7;
+/// Ratio of a least value to one that the runs contradict at which the search for it ends.
+const MAX_LEAST_RATIO: f64 = 1.018;
+/// Standard deviations below a fitted jerk at which the least jerk lies: 95 % are above that.
+const LEAST_DEVIATIONS: f64 = 1.645;
 /// Largest relative standard deviation of a limit that the runs determine. A cause would be off by as much, and a
 /// diagnosis calls more than that part of the lost time unexplained.
 pub const MAX_RELATIVE_DEVIATION: f64 = 0.05;
@@ -35,6 +37,8 @@ pub struct Untold {
     pub accelerations: [bool; 3],
     /// See [`least`].
     pub least_accelerations: Option<[f64; 3]>,
+    /// See [`least`]; `None` if the runs determine all jerks.
+    pub least_jerks: Option<[f64; 3]>,
     /// See [`largest_override`].
     pub largest_override: Option<f64>,
     /// See [`other_chord_ratios`].
@@ -59,9 +63,27 @@ impl Untold {
         let accelerations = untold(judgement, alike, &samples, share);
         Untold {
             accelerations,
-            least_accelerations: least(&whole, accelerations),
+            least_accelerations: least(&whole, accelerations, AXIS_ACCELERATION),
+            least_jerks: least_jerks(&whole, judgement),
             largest_override: largest_override(&whole),
             other_chord_ratios: other_chord_ratios(&whole),
+        }
+    }
+}
+
+impl Untold {
+    /// Lowers each jerk that the runs leave open above to the one lent from other axes, but no lower than the least: any larger one
+    /// fits as well, and the axes of a machine are alike. `fitted` are the parameters of the last fit, each with the lent value.
+    pub fn lower_open_jerks(&self, last: &mut Fit, fitted: &[(FreeParameter, f64)]) {
+        let least = self.least_jerks.unwrap_or_default();
+        for (place, (freed, lent)) in fitted.iter().enumerate() {
+            let Some(axis) = axis_among(AXIS_JERK, freed) else { continue };
+            let lowered = lent.max(least[axis]);
+            let is_open = 0.0 < least[axis] && !last.deviations[place].is_finite();
+            if is_open && lowered < last.values[place] {
+                last.values[place] = lowered;
+                freed.apply(&mut last.machine, lowered);
+            }
         }
     }
 }
@@ -101,15 +123,9 @@ impl<'a> Sample<'a> {
 /// standard deviation is too large, or the other parameters fit as well without its limit. `alike` are the axes whose
 /// accelerations are one parameter; `samples` are excerpts of the runs, if they are long, and the runs.
 fn untold(judgement: &Judgement, alike: AlikeAxes, samples: &[&Sample], share: &mut Share) -> [bool; 3] {
-    let Judgement { all, believed, verdicts, last, .. } = judgement;
-    let mut untold = [false; 3];
-    let is_lent = |at: usize| verdicts[at] == ParameterVerdict::Unknown && !believed[at].is_finite();
-    for at in (0..all.len()).filter(|at| is_lent(*at)) {
-        if let Some(axis) = axis_of(&all[at].0) {
-            untold[axis] = true;
-        }
-    }
-    let is_vague = |value: f64, deviation: f64| MAX_RELATIVE_DEVIATION * value < deviation;
+    let Judgement { all, verdicts, last, .. } = judgement;
+    let is_lent = |at: usize| is_lent(judgement, at);
+    let mut untold = lent_among(judgement, AXIS_ACCELERATION);
     for axis in alike.axes {
         let mut without = last.machine.clone();
         without.axes[*axis].acceleration = f64::INFINITY;
@@ -143,15 +159,56 @@ fn untold(judgement: &Judgement, alike: AlikeAxes, samples: &[&Sample], share: &
     untold
 }
 
-/// Returns the least acceleration of each axis that is `untold`, mm/s²: with a lower one the runs would have been slower.
-/// 0 for the other axes; `None` if there are no untold ones.
-fn least(whole: &Sample, untold: [bool; 3]) -> Option<[f64; 3]> {
+/// Returns the least jerk of each axis whose jerk on ramps the runs do not determine, as [`least`] does for limits that are lent from
+/// other axes or whose standard deviation is too large. A jerk is no lower than [`LEAST_DEVIATIONS`] below the fitted one.
+fn least_jerks(whole: &Sample, judgement: &Judgement) -> Option<[f64; 3]> {
+    let mut untold = lent_among(judgement, AXIS_JERK);
+    let mut within = [0.0; 3];
+    let Judgement { last, .. } = judgement;
+    for ((freed, _), (value, deviation)) in judgement.fitted().zip(last.values.iter().zip(&last.deviations)) {
+        if let Some(axis) = axis_among(AXIS_JERK, freed) {
+            untold[axis] = is_vague(*value, *deviation);
+            within[axis] = value - LEAST_DEVIATIONS * deviation;
+        }
+    }
+    let least = least(whole, untold, AXIS_JERK)?;
+    Some([0, 1, 2].map(|axis| if untold[axis] { least[axis].max(within[axis]) } else { 0.0 }))
+}
+
+/// Returns `true` for each axis whose limit among these is lent from other axes.
+fn lent_among(judgement: &Judgement, limits: [Adjustable; 3]) -> [bool; 3] {
+    let mut lent = [false; 3];
+    for at in (0..judgement.all.len()).filter(|at| is_lent(judgement, *at)) {
+        if let Some(axis) = axis_among(limits, &judgement.all[at].0) {
+            lent[axis] = true;
+        }
+    }
+    lent
+}
+
+/// Returns `true` if the value of a parameter is lent from other axes.
+fn is_lent(judgement: &Judgement, at: usize) -> bool {
+    judgement.verdicts[at] == ParameterVerdict::Unknown && !judgement.believed[at].is_finite()
+}
+
+/// Returns `true` if the standard deviation of a limit is too large for a limit that the runs determine.
+fn is_vague(value: f64, deviation: f64) -> bool {
+    MAX_RELATIVE_DEVIATION * value < deviation
+}
+
+/// Returns the least value of each axis that is `untold`, for its limit among these, mm/s² or mm/s³: with a lower one the runs
+/// would have been slower. 0 for the other axes; `None` if there are no untold ones.
+fn least(whole: &Sample, untold: [bool; 3], limits: [Adjustable; 3]) -> Option<[f64; 3]> {
+    let value_of = |axis: usize| limits[axis].handle().get(whole.calibrated).unwrap_or(f64::INFINITY);
+    // A limit that the runs leave open above may be far above those of the others.
+    let lowest_of_axes = [0, 1, 2].map(value_of).into_iter().fold(f64::INFINITY, f64::min);
     let of_axis = |axis: usize| {
-        let own = whole.calibrated.axes[axis].acceleration;
-        let lowest = AXIS_ACCELERATION[axis].assumed(own, 0.0).bounds.0;
-        let is_allowed = |acceleration: f64| {
+        let own = value_of(axis);
+        let freed = limits[axis].assumed(lowest_of_axes.min(own), 0.0);
+        let lowest = freed.bounds.0;
+        let is_allowed = |value: f64| {
             let mut lower = whole.calibrated.clone();
-            lower.axes[axis].acceleration = acceleration;
+            freed.apply(&mut lower, value);
             whole.is_blind_to(&lower)
         };
         if !untold[axis] || !own.is_finite() {
@@ -161,7 +218,7 @@ fn least(whole: &Sample, untold: [bool; 3]) -> Option<[f64; 3]> {
             return lowest;
         }
         let (mut contradicted, mut allowed) = (lowest, own);
-        for _ in 0..HALVINGS {
+        while MAX_LEAST_RATIO * contradicted < allowed {
             let between = (contradicted * allowed).sqrt();
             *if is_allowed(between) { &mut allowed } else { &mut contradicted } = between;
         }
@@ -201,7 +258,6 @@ mod tests {
 
     use super::*;
     use crate::identification::alignment::recorded;
-    use crate::identification::fit::Fit;
     use crate::machine::{FREE_BLEND_MM, Junction, Planner};
 
     /// Calls `test` with the run of legs along X and Y that are blended within a tolerance, mm.
@@ -298,8 +354,8 @@ mod tests {
     #[test]
     fn a_lower_acceleration_than_the_least_one_would_have_slowed_the_runs() {
         on_legs(|whole| {
-            assert_eq!(least(&whole, [false; 3]), None);
-            let found = least(&whole, [false, true, true]).expect("two are untold");
+            assert_eq!(least(&whole, [false; 3], AXIS_ACCELERATION), None);
+            let found = least(&whole, [false, true, true], AXIS_ACCELERATION).expect("two are untold");
             // The runs determine X. Z never moves, so any acceleration that a fit tries is allowed.
             assert!(found[0] == 0.0 && (found[2] - 50.0).abs() < 1e-9, "{found:?}");
             let shift = |ratio: f64| {
@@ -309,5 +365,36 @@ mod tests {
             };
             assert!(MIN_MOVED_S < shift(0.99) && shift(1.02) < MIN_MOVED_S, "{found:?}");
         });
+    }
+
+    /// X is fitted roughly, Y is open above, and Z is known.
+    #[test]
+    fn an_open_jerk_is_as_low_as_the_others_unless_the_runs_contradict_that() {
+        let values = [21_600.0, 589_000.0, 17_800.0];
+        let lowered = |least_of_y: f64| {
+            let mut last = Fit {
+                machine: Machine::default(),
+                values: values.to_vec(),
+                deviations: vec![2050.0, f64::INFINITY, 40.0],
+                correlations: DMatrix::identity(3, 3),
+                cost: 0.0,
+                whitened: Vec::new(),
+                converged: true,
+            };
+            let freed = AXIS_JERK.iter().zip(values).map(|(jerk, own)| (jerk.assumed(own, 0.0), 19_700.0));
+            let untold = Untold {
+                accelerations: [false; 3],
+                least_accelerations: None,
+                least_jerks: Some([18_200.0, least_of_y, 0.0]),
+                largest_override: None,
+                other_chord_ratios: Vec::new(),
+            };
+            untold.lower_open_jerks(&mut last, &freed.collect::<Vec<_>>());
+            assert_eq!([last.values[0], last.values[2]], [values[0], values[2]]);
+            last.values[1]
+        };
+        assert_eq!(lowered(5_500.0), 19_700.0);
+        assert_eq!(lowered(26_000.0), 26_000.0);
+        assert_eq!(lowered(600_000.0), 589_000.0);
     }
 }

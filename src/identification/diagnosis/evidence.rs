@@ -1,7 +1,9 @@
 //! The evidence of the runs for or against a machine, as one number: the cost of the whitened residuals.
 
 use crate::identification::diagnosis::standing::is_elsewhere;
-use crate::identification::effects::parameters::{AXIS_ACCELERATION, AXIS_RAPID, Adjustable, RAPID_FEEDRATE};
+use crate::identification::effects::parameters::{
+    AXIS_ACCELERATION, AXIS_JERK, AXIS_RAPID, Adjustable, RAPID_FEEDRATE,
+};
 use crate::identification::effects::{Between, Hypothesis};
 use crate::identification::fit::{
     FTOL, Fit, FreeParameter, Run, Whitening, cost_of, dispersion, fit, golden_section, whitened,
@@ -243,8 +245,8 @@ impl<'a> Evidence<'a> {
     }
 }
 
-/// Returns the parameters of a machine that no run of its calibration determined: accelerations and rapid rates, the
-/// latter of the axes or along the path.
+/// Returns the parameters of a machine that no run of its calibration determined: accelerations, jerks on ramps and rapid rates,
+/// the last of the axes or along the path.
 pub fn assumed(machine: &Machine) -> Vec<FreeParameter> {
     let of = |(parameter, least): (Adjustable, f64)| {
         let own = parameter.handle().get(machine).filter(|own| own.is_finite())?;
@@ -257,12 +259,14 @@ pub fn assumed(machine: &Machine) -> Vec<FreeParameter> {
         pairs.filter_map(|(pair, is_assumed)| is_assumed.then_some(pair))
     };
     let accelerations = among(AXIS_ACCELERATION, on.assumed_accelerations, least);
+    let least_jerks = on.least_jerks.unwrap_or_default();
+    let jerks = among(AXIS_JERK, least_jerks.map(|least| 0.0 < least), least_jerks);
     // In the program of the calibration, rapids that were not at their full rate then are not now either: one that is slower is
     // slower for a cause.
     let assumed_rapids = on.assumed_rapids.map(|is_assumed| is_assumed && is_elsewhere(machine));
     let along_path = (assumed_rapids == [true; 3]).then_some((RAPID_FEEDRATE, 0.0));
     let rapids = among(AXIS_RAPID, assumed_rapids, [0.0; 3]);
-    accelerations.chain(rapids).chain(along_path).filter_map(of).collect()
+    accelerations.chain(jerks).chain(rapids).chain(along_path).filter_map(of).collect()
 }
 
 /// Returns the standard deviation of a first parameter that is known to be nearer to the trial `at` than to those

@@ -46,6 +46,7 @@ pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f
         velocities: velocities(runs),
         assumed_accelerations: machine.calibrated_on.assumed_accelerations,
         least_accelerations: machine.calibrated_on.least_accelerations,
+        least_jerks: machine.calibrated_on.least_jerks,
         acceleration_deviations: machine.calibrated_on.acceleration_deviations,
         largest_override: machine.calibrated_on.largest_override,
         other_chord_ratios: machine.calibrated_on.other_chord_ratios.clone(),

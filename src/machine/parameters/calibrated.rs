@@ -20,7 +20,7 @@ fn numbers_of(axes: [bool; 3]) -> Option<Vec<f64>> {
 }
 
 /// The rows, in the order of forms and files; an edit of the motion clears them.
-pub const CALIBRATED: [Parameter; 22] = [
+pub const CALIBRATED: [Parameter; 23] = [
     row!("calibration.cycle_time_error_percent", "Error of the cycle time", optional Percent (0.0, 100.0) [cycle_time_error],
         "By how much the cycle time was off when these numbers were calibrated; the uncertainty of a quote. Empty: unknown. Editing the motion empties it."),
     row!("calibration.unexplained_percent", "Time left unexplained", optional Percent (0.0, 1000.0) [unexplained_time],
@@ -70,6 +70,8 @@ pub const CALIBRATED: [Parameter; 22] = [
     ),
     row!("calibration.least_accelerations_mm_s2", "Least accelerations", axes MillimetrePerSecond2 (0.0, 1e7) [calibrated_on.least_accelerations],
         "Accelerations that X, Y and Z have at least: with lower ones the calibrating runs would have been slower. A diagnosis that fits an assumed acceleration again goes no lower. 0 for an axis whose acceleration was not assumed."),
+    row!("calibration.least_jerks_mm_s3", "Least jerks", axes MillimetrePerSecond3 (0.0, 1e9) [calibrated_on.least_jerks],
+        "Jerks that X, Y and Z have at least on ramps, of axes whose jerk the calibrating runs do not determine: with lower ones these runs would have been slower. Programs that a higher jerk would make faster are less certain, and a diagnosis of them takes the jerk from the recording first. 0 for an axis whose jerk is known. Empty: all are known, or none is limited."),
     row!("calibration.acceleration_deviations_percent", "Deviations of accelerations", axes Percent (0.0, 1000.0) [calibrated_on.acceleration_deviations],
         "Standard deviations of the fitted accelerations of X, Y and Z. Programs with more ramps than the calibrating ones are less certain. 0 for an axis whose acceleration was assumed. Empty: unknown."),
     row!("calibration.largest_override_percent", "Largest override to plan for", optional Percent (100.0, 1000.0) [calibrated_on.largest_override],

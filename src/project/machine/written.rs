@@ -5,7 +5,7 @@ use crate::project::TextFault;
 use crate::units::Unit;
 
 /// Keys of a machine's calibration: its errors and programs.
-pub const CALIBRATION_KEYS: [&str; 22] = [
+pub const CALIBRATION_KEYS: [&str; 23] = [
     "calibration.cycle_time_error_percent",
     "calibration.unexplained_percent",
     "calibration.form_error_mm",
@@ -21,6 +21,7 @@ pub const CALIBRATION_KEYS: [&str; 22] = [
     "calibration.travels_mm",
     "calibration.assumed_accelerations",
     "calibration.least_accelerations_mm_s2",
+    "calibration.least_jerks_mm_s3",
     "calibration.acceleration_deviations_percent",
     "calibration.largest_override_percent",
     "calibration.other_chords_percent",

@@ -150,7 +150,9 @@ impl UnshownFeature {
             UnshownFeature::Blocks => "shorter blocks",
             UnshownFeature::Feeds => "faster feeds",
             UnshownFeature::Overrides => "corners that the control may plan for a larger override",
-            UnshownFeature::Accelerations => "ramps at accelerations that the calibration had to assume",
+            UnshownFeature::Accelerations => {
+                "ramps at accelerations or jerks that the calibration had to assume"
+            }
             UnshownFeature::RoughAccelerations => "ramps at accelerations that the calibration shows roughly",
             UnshownFeature::Rapids => "faster rapids",
             UnshownFeature::RapidFeedrates => "rapids, which may run at F or at a rate",
@@ -374,10 +376,14 @@ fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshow
         other
     };
     let least = on.least_accelerations.unwrap_or_default();
+    let least_jerks = on.least_jerks.unwrap_or_default();
     let accelerating = |ratio: f64| {
         let mut other = machine.clone();
         for axis in (0..3).filter(|axis| on.assumed_accelerations[*axis]) {
             other.axes[axis].acceleration = (ratio * other.axes[axis].acceleration).max(least[axis]);
+        }
+        for axis in (0..3).filter(|axis| 0.0 < least_jerks[*axis]) {
+            other.axes[axis].jerk = (ratio * other.axes[axis].jerk).max(least_jerks[axis]);
         }
         other
     };
@@ -387,7 +393,7 @@ fn at_other_allowed_values(toolpath: &Toolpath, machine: &Machine) -> Vec<Unshow
     let ratios = ratios.iter().filter(|_| has_chords);
     let chords: Vec<Machine> = ratios.map(|ratio| machine.with_scaled_chords(*ratio)).collect();
     let overrides: Vec<Machine> = on.largest_override.map(planned_for).into_iter().collect();
-    let accelerations = match on.assumed_accelerations.contains(&true) {
+    let accelerations = match on.assumed_accelerations.contains(&true) || on.least_jerks.is_some() {
         true => [1.0 / ASSUMED_ACCELERATION_RATIO, ASSUMED_ACCELERATION_RATIO].map(accelerating).to_vec(),
         false => Vec::new(),
     };

@@ -149,6 +149,25 @@ fn the_range_reaches_to_other_accelerations_if_one_was_assumed() {
     assert!(ratio_with([true, false, false], [400.0, 0.0, 0.0]) < found - 0.005);
 }
 
+/// Each ramp of jerk J takes 2 √(Δv/J), and both ramps of a leg cost half of that.
+#[test]
+fn the_range_reaches_to_other_jerks_if_one_was_assumed() {
+    let mut machine = planner(Planner::JunctionDeviation, 1e4);
+    machine.axes.iter_mut().for_each(|axis| axis.jerk = 5000.0);
+    let legs = path("G21 G90\nG1 X40 F3000\nX0\nX40\nX0\n");
+    let ratio_with = |least: Option<[f64; 3]>| {
+        let calibrated_on = CalibratedOn { range: Some(0.01), least_jerks: least, ..features_of([&legs]) };
+        range_of(&legs, &Machine { calibrated_on, ..machine.clone() }).ratio
+    };
+    let of_ramps = 4.0 * 2.0 * (50.0f64 / 5000.0).sqrt();
+    let slower = of_ramps * (ASSUMED_ACCELERATION_RATIO.sqrt() - 1.0);
+    let found = ratio_with(Some([100.0, 0.0, 0.0]));
+    assert!((found - 0.01 - slower / (160.0 / 50.0 + of_ramps)).abs() < 1e-3, "{found}");
+    assert_eq!([ratio_with(None), ratio_with(Some([0.0, 100.0, 0.0]))], [0.01; 2]);
+    // The runs allow no lower one, and a higher one saves less.
+    assert!(ratio_with(Some([5000.0, 0.0, 0.0])) < found - 0.002);
+}
+
 /// Programs of ramps alone: their time is proportional to 1/√a.
 #[test]
 fn the_range_contains_the_deviations_of_accelerations() {
