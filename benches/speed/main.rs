@@ -278,11 +278,11 @@ fn recordings_table() -> String {
     let mut text = "\n## The recording of an hour\n
 Another machine than the preset, a planner with junction deviation, runs the roughing program for an hour; its positions are recorded every
 10 ms. Seconds that pass, on all processors; `calibrate by two` has an hour of arcs as well.\n
-| work | s | × simulating the program |\n|---|---:|---:|\n"
+| work | s | × aligning |\n|---|---:|---:|\n"
         .to_string();
     let found = LogWork::ALL.map(|work| numbers_of::<2, 1>(["measure-log", work.word()])[0]);
     for (work, seconds) in LogWork::ALL.iter().zip(found) {
-        text += &format!("| {} | {seconds:.2} | {:.0} |\n", work.word(), seconds / found[0]);
+        text += &format!("| {} | {seconds:.1} | {:.1} |\n", work.word(), seconds / found[0]);
     }
     text
 }

@@ -31,8 +31,6 @@ const SPARE_LINES: usize = 1_000;
 /// The work of a measurement on recordings of an hour.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum LogWork {
-    /// Simulates the program.
-    Simulate,
     /// Reads the recording and aligns it with the program.
     Align,
     /// Calibrates the preset by one recording.
@@ -44,12 +42,11 @@ pub enum LogWork {
 }
 
 impl LogWork {
-    pub const ALL: [LogWork; 5] =
-        [LogWork::Simulate, LogWork::Align, LogWork::Calibrate, LogWork::CalibrateByTwo, LogWork::Diagnose];
+    pub const ALL: [LogWork; 4] =
+        [LogWork::Align, LogWork::Calibrate, LogWork::CalibrateByTwo, LogWork::Diagnose];
 
     pub fn word(self) -> &'static str {
         match self {
-            LogWork::Simulate => "simulate",
             LogWork::Align => "align",
             LogWork::Calibrate => "calibrate",
             LogWork::CalibrateByTwo => "calibrate by two",
@@ -62,7 +59,6 @@ impl LogWork {
         let preset = Machine::default();
         let recorded = Recorded::of(Made::Roughing);
         match self {
-            LogWork::Simulate => seconds(|| simulate(&recorded.toolpath, &preset)),
             LogWork::Align => seconds(|| recorded.aligned(&preset)),
             LogWork::Calibrate | LogWork::Diagnose => {
                 let aligned = recorded.aligned(&preset);

@@ -149,9 +149,8 @@ pub fn acceleration_before_turn(segment: &Segment, machine: &Machine) -> f64 {
     positioning::acceleration(segment, own, machine)
 }
 
-/// Returns the acceleration of ramps on a segment between its corners, mm/s².
-pub fn acceleration_of_block(segment: &Segment, machine: &Machine) -> f64 {
-    let own = acceleration_before_turn(segment, machine);
+/// Returns the acceleration of ramps on a segment between its corners, mm/s²; `own` is [`acceleration_before_turn`].
+pub fn acceleration_of_ramps(segment: &Segment, own: f64, machine: &Machine) -> f64 {
     match machine.interpolator.junction.blends_in_time() {
         true => acceleration(segment, own, machine),
         false => own,

@@ -182,7 +182,7 @@ impl SegmentLimits {
             if has_accelerations {
                 let own = junction::acceleration_before_turn(&segment, machine);
                 feedrate = feedrate.min(limits::blended_arc_feedrate(&segment, own, machine));
-                accelerations.push(junction::acceleration_of_block(&segment, machine));
+                accelerations.push(junction::acceleration_of_ramps(&segment, own, machine));
             }
             feedrates.extend(repeat_n(feedrate, end - index));
         }
