@@ -25,7 +25,7 @@
 //! time may be between nothing and twice as much: U = 1, and both times of the fraction include the time of the word.
 //!
 //! If the runs do not show for which override the control plans its corners, the largest one that they allow may make the
-//! corners of a program faster; and an acceleration that the calibration assumed may be [`ASSUMED_ACCELERATION_RATIO`]
+//! corners of a program faster; and an acceleration or a jerk that the calibration assumed may be [`ASSUMED_ACCELERATION_RATIO`]
 //! times as high, or as low as the runs allow. If no run has an arc, or none whose chords would slow it if they were longer or
 //! shorter, the chords may be so ([`CHORD_ERROR_RATIOS`]). If all rapids of the runs hold one F, that may be their rate. Then the
 //! differences between these cycle times add to the range.
