@@ -12,7 +12,7 @@ import { ROOT, computed, cycleTimes, longPlainTest } from './steps.mjs'
 
 const MOST_BYTES = 400_000
 /** More than the 1.35 MB that we want. Compiled for size, the whole module would be 4 % smaller, and a calibration take half as long again. */
-const MOST_BYTES_EVER = 1_510_000
+const MOST_BYTES_EVER = 1_530_000
 const WHOLE = '/pkg/truefeed_whole_bg.wasm'
 /** What no visit of the page loads: what other pages embed, licences, the worker that keeps files, and of the picture of the answer all but the one for the screen. */
 const NOT_LOADED = /^embed|notices\.txt$|^sw\.js|\.br$|answer-(phone|dark)/
