@@ -1,7 +1,7 @@
-//! The recordings of an hour on which the speed of identification is measured: made, never stored.
+//! Hour-long recordings for measuring the speed of identification: simulated for each measurement, never stored.
 //!
-//! A planner with junction deviation and accelerations of its own runs programs that last an hour on it. The recorder notes
-//! positions in micrometres every 10 ms. The preset describes another machine, so a diagnosis calibrates it first.
+//! The recorded machine is a planner with junction deviation. It runs each program for at least an hour, and its positions
+//! are recorded every 10 ms, rounded to a micrometre. The preset has filters instead, so a diagnosis has to calibrate it first.
 
 use std::fmt::Write;
 use std::hint::black_box;
@@ -25,8 +25,8 @@ const RUN_S: f64 = 3600.0;
 const ROW_S: f64 = 0.01;
 /// Accelerations of the axes of the recorded machine, mm/s².
 const ACCELERATIONS_MM_S2: [f64; 3] = [650.0, 480.0, 320.0];
-/// Lines that a program is longer than it would have to be by the duration of a shorter one.
-const SPARE_LINES: usize = 1_000;
+/// Lines of the first program, and lines added to each estimate of how many a run of [`RUN_S`] needs.
+const PROGRAM_STEP_LINES: usize = 1_000;
 
 /// The work of a measurement on recordings of an hour.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -57,22 +57,18 @@ impl LogWork {
     /// Does the work once on all processors. Returns the time that passed, s.
     pub fn seconds(self) -> f64 {
         let preset = Machine::default();
-        let recorded = Recorded::of(Made::Roughing);
+        let programs: &[Made] =
+            if self == LogWork::CalibrateByTwo { &[Made::Roughing, Made::Arcs] } else { &[Made::Roughing] };
+        let recorded: Vec<Recorded> = programs.iter().map(|made| Recorded::of(*made)).collect();
+        let align = || recorded.into_iter().map(|own| own.aligned(&preset)).collect::<Vec<AlignedRun>>();
+        if self == LogWork::Align {
+            return seconds(align);
+        }
+        let aligned = align();
+        let runs: Vec<Run> = aligned.iter().map(AlignedRun::run).collect();
         match self {
-            LogWork::Align => seconds(|| recorded.aligned(&preset)),
-            LogWork::Calibrate | LogWork::Diagnose => {
-                let aligned = recorded.aligned(&preset);
-                let runs = [aligned.run()];
-                match self {
-                    LogWork::Diagnose => seconds(|| diagnose(&preset, &runs, &mut |_| {})),
-                    _ => seconds(|| calibrate(&preset, &runs, &mut |_| {})),
-                }
-            }
-            LogWork::CalibrateByTwo => {
-                let both = [recorded, Recorded::of(Made::Arcs)].map(|own| own.aligned(&preset));
-                let runs: Vec<Run> = both.iter().map(AlignedRun::run).collect();
-                seconds(|| calibrate(&preset, &runs, &mut |_| {}))
-            }
+            LogWork::Diagnose => seconds(|| diagnose(&preset, &runs, &mut |_| {})),
+            _ => seconds(|| calibrate(&preset, &runs, &mut |_| {})),
         }
     }
 }
@@ -96,7 +92,7 @@ impl Recorded {
         let mut machine = Machine::default();
         machine.become_planner(Planner::JunctionDeviation, ACCELERATIONS_MM_S2[0]);
         machine.axes.iter_mut().zip(ACCELERATIONS_MM_S2).for_each(|(axis, own)| axis.acceleration = own);
-        let mut lines = SPARE_LINES;
+        let mut lines = PROGRAM_STEP_LINES;
         loop {
             let toolpath = trace_text(made.text(lines), &Options::default(), &machine);
             let plan = simulate(&toolpath, &machine);
@@ -104,7 +100,7 @@ impl Recorded {
                 let csv = rows(&Profile::new(&toolpath, &plan));
                 return Recorded { toolpath, csv };
             }
-            lines = (lines as f64 * RUN_S / plan.cycle_time()) as usize + SPARE_LINES;
+            lines = (lines as f64 * RUN_S / plan.cycle_time()) as usize + PROGRAM_STEP_LINES;
         }
     }
 

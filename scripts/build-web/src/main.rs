@@ -61,7 +61,7 @@ struct Module {
     profile: String,
     /// What the crate is told by `--cfg`, and no other crate.
     cfg: Vec<String>,
-    /// Flags for rustc, for the crate and all it needs. They replace those of the environment, so that the file says all.
+    /// Flags for rustc, applied to the crate and its dependencies. They replace the flags in the environment.
     rustflags: Vec<String>,
     /// Arguments of `wasm-opt`; none leaves it out.
     wasm_opt: Vec<String>,

@@ -19,8 +19,8 @@ use crate::simulation::ordered::sort_by_number;
 /// Initial values of the minimum cruise ratio in fits: Klipper's default, and a small value, because a fit does not free a
 /// ratio of 0.
 const INITIAL_CRUISE_RATIOS: [f64; 2] = [KLIPPER_MIN_CRUISE_RATIO, 0.1];
-/// Exponents p of ((1 − r₀) / (1 − r))^p, by which the acceleration is multiplied when the cruise ratio r₀ becomes r. At p = 0
-/// long moves keep their acceleration, at p = 1 short ones do.
+/// Exponents p tried for the acceleration when the cruise ratio changes from r₀ to r: the acceleration is multiplied by
+/// ((1 − r₀) / (1 − r))^p. With p = 0 long moves keep their acceleration, with p = 1 short moves do.
 const CRUISE_ACCELERATION_EXPONENTS: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Largest relative difference of the steps of two recordings of one machine.

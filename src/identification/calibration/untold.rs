@@ -7,8 +7,8 @@
 //! a diagnosis fits their accelerations again beside a cause. It goes no lower than the least acceleration at which the
 //! calibrating runs would not have been slower: on the same program, a lower one cannot explain the lost time of a cause.
 //!
-//! An axis that excerpts of long runs determine is not looked for in the whole runs: the whole shows what its parts show, and a fit to
-//! excerpts takes a small part of the time.
+//! For a long run the calibration first tries excerpts. If they determine an axis, so does the whole run, and a fit to excerpts is much
+//! faster.
 
 use crate::identification::calibration::alike::AlikeAxes;
 use crate::identification::calibration::judgement::Judgement;
@@ -19,14 +19,13 @@ use crate::identification::calibration::{
 use crate::identification::effects::parameters::{AXIS_ACCELERATION, AXIS_JERK, Adjustable, MAX_OVERRIDE};
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::{ArcChords, CHORD_ERROR_RATIOS, Machine};
+use crate::quote::NORMAL_QUANTILE_95;
 
 /// Least shift of any moment of the runs, s, from which they determine a limit. Below it, a fit follows the error
 /// of the model.
 const MIN_MOVED_S: f64 = 0.015;
 /// Ratio of a least value to one that the runs contradict at which the search for it ends.
 const MAX_LEAST_RATIO: f64 = 1.018;
-/// Standard deviations below a fitted jerk at which the least jerk lies: 95 % are above that.
-const LEAST_DEVIATIONS: f64 = 1.645;
 /// Largest relative standard deviation of a limit that the runs determine. A cause would be off by as much, and a
 /// diagnosis calls more than that part of the lost time unexplained.
 pub const MAX_RELATIVE_DEVIATION: f64 = 0.05;
@@ -69,11 +68,9 @@ impl Untold {
             other_chord_ratios: other_chord_ratios(&whole),
         }
     }
-}
 
-impl Untold {
-    /// Lowers each jerk that the runs leave open above to the one lent from other axes, but no lower than the least: any larger one
-    /// fits as well, and the axes of a machine are alike. `fitted` are the parameters of the last fit, each with the lent value.
+    /// Lowers each jerk for which the fit found no upper bound to the one lent from other axes, or to the least that the runs allow: every
+    /// higher jerk fits equally well, and the axes of a machine are usually alike. `fitted` are the parameters of the last fit, each with the lent value.
     pub fn lower_open_jerks(&self, last: &mut Fit, fitted: &[(FreeParameter, f64)]) {
         let least = self.least_jerks.unwrap_or_default();
         for (place, (freed, lent)) in fitted.iter().enumerate() {
@@ -160,7 +157,7 @@ fn untold(judgement: &Judgement, alike: AlikeAxes, samples: &[&Sample], share: &
 }
 
 /// Returns the least jerk of each axis whose jerk on ramps the runs do not determine, as [`least`] does for limits that are lent from
-/// other axes or whose standard deviation is too large. A jerk is no lower than [`LEAST_DEVIATIONS`] below the fitted one.
+/// other axes or whose standard deviation is too large. A jerk is at most [`NORMAL_QUANTILE_95`] deviations below the fitted one.
 fn least_jerks(whole: &Sample, judgement: &Judgement) -> Option<[f64; 3]> {
     let mut untold = lent_among(judgement, AXIS_JERK);
     let mut within = [0.0; 3];
@@ -168,7 +165,7 @@ fn least_jerks(whole: &Sample, judgement: &Judgement) -> Option<[f64; 3]> {
     for ((freed, _), (value, deviation)) in judgement.fitted().zip(last.values.iter().zip(&last.deviations)) {
         if let Some(axis) = axis_among(AXIS_JERK, freed) {
             untold[axis] = is_vague(*value, *deviation);
-            within[axis] = value - LEAST_DEVIATIONS * deviation;
+            within[axis] = value - NORMAL_QUANTILE_95 * deviation;
         }
     }
     let least = least(whole, untold, AXIS_JERK)?;
@@ -200,7 +197,7 @@ fn is_vague(value: f64, deviation: f64) -> bool {
 /// would have been slower. 0 for the other axes; `None` if there are no untold ones.
 fn least(whole: &Sample, untold: [bool; 3], limits: [Adjustable; 3]) -> Option<[f64; 3]> {
     let value_of = |axis: usize| limits[axis].handle().get(whole.calibrated).unwrap_or(f64::INFINITY);
-    // A limit that the runs leave open above may be far above those of the others.
+    // The fit may have left an undetermined limit many times higher than the others, so the search begins below the lowest.
     let lowest_of_axes = [0, 1, 2].map(value_of).into_iter().fold(f64::INFINITY, f64::min);
     let of_axis = |axis: usize| {
         let own = value_of(axis);
@@ -338,7 +335,7 @@ mod tests {
         });
     }
 
-    /// Legs along X alone do not show Y, and those of the whole run do.
+    /// The excerpt moves X alone. The whole run moves Y too.
     #[test]
     fn an_axis_is_told_if_one_sample_shows_it() {
         on_legs(|whole| {

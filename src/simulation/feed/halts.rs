@@ -1,9 +1,10 @@
 //! Halts that the program does not request, in the feed plan: pulses of feedrate 0.
 //!
 //! A halt of t seconds is a pulse of feedrate 0 that lasts t, so that the command is interrupted and then
-//! continues unchanged; for a feed hold see [`feed_hold`](crate::simulation::feed::feed_hold). The filters run empty meanwhile, and the motion ramps down and up again as at a full
+//! continues unchanged. The filters run empty meanwhile, and the motion ramps down and up again as at a full
 //! stop. A halt costs t exactly, however short it is: the command is later by t from there on, and its area
-//! does not change.
+//! does not change. A feed hold may have ramps of the command as well, see
+//! [`feed_hold`](crate::simulation::feed::feed_hold).
 //!
 //! | halt | where its pulse lies |
 //! |---|---|
@@ -36,8 +37,8 @@ pub(super) struct HaltSchedule {
     stops: BTreeMap<usize, f64>,
     /// Wait before each segment that has one, s, by index of the segment.
     segments: BTreeMap<usize, f64>,
-    /// Feed holds by index of the segment: distance along it (mm) and duration (s).
-    holds: BTreeMap<usize, (f64, f64)>,
+    /// Feed holds by index of the segment.
+    holds: BTreeMap<usize, FeedHold>,
     /// Ramps of the spindle that the first feed move waits for, by index of its segment.
     ramps: BTreeMap<usize, AwaitedRamp>,
 }
@@ -120,7 +121,7 @@ impl HaltSchedule {
                 && 0.0 < seconds
             {
                 let (held, along) = place_on(segments, segment..end, halts.place(line.0));
-                found.holds.insert(held, (along, seconds));
+                found.holds.insert(held, FeedHold { segment: held, along, duration: seconds });
             }
             segment += 1;
         }
@@ -177,16 +178,15 @@ impl HaltSchedule {
             if 0.0 < seconds {
                 plan.pulses.push(halt(start, 0.0, seconds));
             }
+            let own = pulses.range(rest_to_rest.pulses.clone());
             let mut holds = self.holds.range(rest_to_rest.segments.clone()).peekable();
             if holds.peek().is_none() {
-                plan.pulses.extend(pulses.range(rest_to_rest.pulses.clone()));
+                plan.pulses.extend(own);
             } else {
-                let mut held: Vec<Pulse> = pulses.range(rest_to_rest.pulses.clone()).collect();
-                for (&segment, &(along, duration)) in holds {
-                    let hold = FeedHold { segment, along, duration };
-                    held = hold.put_into(&held, &toolpath.segments, machine);
-                }
-                plan.pulses.extend(held);
+                let put = |held: Vec<Pulse>, (_, hold): (&usize, &FeedHold)| {
+                    hold.put_into(&held, &toolpath.segments, machine)
+                };
+                plan.pulses.extend(holds.fold(own.collect(), put));
             }
             let last = rest_to_rest.segments.end - 1;
             let goes_on = matches!(phases.peek(), Some(Phase::Motion(_)));
