@@ -220,16 +220,21 @@ fn an_angle_of_nothing_stops_where_nothing_turns() {
     assert!((stopped - by_angle).abs() < 1e-9, "{stopped} s, {by_angle} s");
 }
 
-/// RS274/NGC runs canned cycles in exact path mode, whatever mode the program is in.
+/// RS274/NGC runs canned cycles in exact path mode, whatever mode the program is in, exact stop included.
 #[test]
 fn cycles_run_in_exact_path_mode() {
-    let machine = planner();
+    let mut machine = planner();
     let cycle = time("G21 G64 P0.1\nG0 Z9\nG98 G81 X20 Y0 Z-2 R2 F300\nX40\nG80", &machine);
     let moves = "G0 X20\nZ2\nG1 Z-2 F300\nG0 Z9\nX40\nZ2\nG1 Z-2\nG0 Z9";
     let written = time(&format!("G21 G64 P0.1\nG0 Z9\nG61\n{moves}"), &machine);
     let blended = time(&format!("G21 G64 P0.1\nG0 Z9\n{moves}"), &machine);
     assert!((cycle - written).abs() < 1e-9, "{cycle} s, {written} s");
     assert!(0.01 < (cycle - blended).abs(), "{cycle} s, {blended} s");
+    let alone = "G21 G61.1\nG0 Z9\nG64 P0.1\nG98 G81 X20 Y0 Z-2 R2 F300\nX40\nG80";
+    let in_its_mode = time(alone, &machine);
+    machine.interpolator.exact_stop_angle = 0.0;
+    let stopped = time(alone, &machine);
+    assert!((in_its_mode - stopped).abs() < 1e-9, "{in_its_mode} s, {stopped} s");
 }
 
 /// In exact path mode the corners of a staircase are stops, between which a tenth of the acceleration is missing. A leg
@@ -242,6 +247,11 @@ fn a_leg_after_a_stop_at_a_corner_begins_when_the_filter_has_run_empty() {
     machine.interpolator.time_constants = TimeConstants::Equal(5e-4);
     let stairs: String = (1..=20).map(|at| format!("G1 X{at} F2470\nY{at}\n")).collect();
     let leg = 2.0 * (1.0 / (0.9 * 500.0_f64)).sqrt() + 5e-4;
+    let found = time(&format!("G21 G90 G61\n{stairs}M30\n"), &machine);
+    assert!((found - 40.0 * leg).abs() < 1e-9, "{found} s, {} s", 40.0 * leg);
+    // Without arc blends no acceleration is missing.
+    machine.interpolator.junction = Junction::ParabolicBlend;
+    let leg = 2.0 * (1.0 / 500.0_f64).sqrt() + 5e-4;
     let found = time(&format!("G21 G90 G61\n{stairs}M30\n"), &machine);
     assert!((found - 40.0 * leg).abs() < 1e-9, "{found} s, {} s", 40.0 * leg);
 }

@@ -7,6 +7,7 @@ mod account;
 mod alignment;
 mod architecture;
 mod archive;
+mod axis_steps;
 mod compensation;
 mod convolution;
 mod corner_law;

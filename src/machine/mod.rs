@@ -124,6 +124,8 @@ pub struct Interpolator {
     pub max_override: f64,
     /// Least share of cruising in a move that speeds up and slows down, 0 to 1; neutral 0.
     pub minimum_cruise_ratio: f64,
+    /// `true` if ramps of constant acceleration take the same time on a curve of fifth order; neutral `false`.
+    pub quintic_ramps: bool,
     /// Block processing time: the shortest time of a block, s; neutral 0.
     pub block_time: f64,
     /// Look-ahead, blocks; neutral infinite.
@@ -510,6 +512,7 @@ impl Default for Machine {
                 arc_chords: ArcChords::Whole,
                 max_override: 1.0,
                 minimum_cruise_ratio: 0.0,
+                quintic_ramps: false,
                 block_time: 0.0,
                 look_ahead: f64::INFINITY,
                 step_segment: 0.0,

@@ -20,6 +20,8 @@ pub enum Planner {
     JunctionDeviation,
     /// The path has an acceleration limit, and a square-corner velocity limits corners, as in Klipper.
     SquareCorner,
+    /// Axes have acceleration limits, and a largest step of their velocity limits corners, as in Marlin.
+    AxisStep,
 }
 
 /// Contour tolerance of a LinuxCNC planner if the program sets none, mm: no blend reaches it.
@@ -45,11 +47,17 @@ const KLIPPER_SQUARE_CORNER_MM_S: f64 = 5.0;
 const KLIPPER_CHORD_MM: f64 = 0.1;
 /// Default minimum cruise ratio of Klipper.
 pub const KLIPPER_MIN_CRUISE_RATIO: f64 = 0.5;
+/// Default step of the velocity of X and Y of Marlin, mm/s (`DEFAULT_XJERK`).
+const MARLIN_AXIS_STEP_MM_S: f64 = 10.0;
+/// Default length of the chords of arcs in Marlin, mm (`MAX_ARC_SEGMENT_MM`).
+const MARLIN_CHORD_MM: f64 = 1.0;
+/// Blocks that Marlin plans ahead by default (`BLOCK_BUFFER_SIZE`).
+const MARLIN_LOOK_AHEAD: f64 = 16.0;
 
 impl Planner {
     /// All families.
-    pub const ALL: [Planner; 3] =
-        [Planner::AccelerationBlend, Planner::JunctionDeviation, Planner::SquareCorner];
+    pub const ALL: [Planner; 4] =
+        [Planner::AccelerationBlend, Planner::JunctionDeviation, Planner::SquareCorner, Planner::AxisStep];
 }
 
 impl Machine {
@@ -75,6 +83,8 @@ impl Machine {
         self.interpolator.time_constants = TimeConstants::Equal(STEPPER_FILTER_S);
         // The planners of grbl and Klipper plan rapids and feed moves together; LinuxCNC stops between them.
         self.rapid.time_constants = None;
+        // G0 of Klipper and Marlin is G1.
+        self.rapid.at_feedrate |= matches!(planner, Planner::SquareCorner | Planner::AxisStep);
         self.limit_accelerations(planner, acceleration, [acceleration; 3]);
         match planner {
             Planner::AccelerationBlend => {
@@ -95,6 +105,11 @@ impl Machine {
                 self.interpolator.junction = Junction::SquareCorner(KLIPPER_SQUARE_CORNER_MM_S);
                 self.interpolator.arc_chords = ArcChords::Long(KLIPPER_CHORD_MM);
                 self.interpolator.minimum_cruise_ratio = KLIPPER_MIN_CRUISE_RATIO;
+            }
+            Planner::AxisStep => {
+                self.interpolator.junction = Junction::AxisStep(MARLIN_AXIS_STEP_MM_S);
+                self.interpolator.arc_chords = ArcChords::Long(MARLIN_CHORD_MM);
+                self.interpolator.look_ahead = self.interpolator.look_ahead.min(MARLIN_LOOK_AHEAD);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The planners of four controls, which need no recorder. They follow the manuals and sources of grbl, Klipper, Marlin and
-//! TinyG and share no code with the predictor. `tests.rs` compares the first two with recordings of the real software;
-//! Marlin asks what Truefeed says of a control that it does not know, as TinyG did until its law became one of the families.
+//! TinyG and share no code with the predictor. `tests.rs` compares the first two with recordings of the real software.
+//! Marlin and TinyG asked what Truefeed says of a control that it does not know, until their laws became members of its families.
 //!
 //! All plan straight blocks with ramps along the path. A program becomes [`Item`]s, these become
 //! [`Piece`]s of constant acceleration, and those are sampled.

@@ -1,4 +1,4 @@
-//! Marlin, whose ramps no law of Truefeed was written after, and TinyG, whose planner is a later member of its families.
+//! Marlin and TinyG.
 //!
 //! - Marlin: trapezoids within the acceleration of the axes, of which each ramp may be a curve of fifth order
 //!   (`S_CURVE_ACCELERATION`) that takes as long, v = v₀ + Δv (10 τ³ − 15 τ⁴ + 6 τ⁵). No axis changes its velocity at a

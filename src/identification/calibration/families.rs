@@ -128,20 +128,31 @@ impl Guessing<'_> {
     /// Returns the planner of the nearest acceleration and junction value, and the nearest one with an acceleration beside that.
     /// Slow corners make up for steep ramps, so a fit from one side may end in a minimum that is not the least. `grid` has
     /// the machines of each acceleration, one for each way of rapids; `from` is one of them. From its acceleration on, the
-    /// search goes to the nearer neighbour until neither is nearer.
+    /// search goes to the nearer neighbour until neither is nearer. If the ramps hold no acceleration, it begins with the
+    /// nearest of all.
     fn nearest_with_corners(&self, grid: &[Vec<Machine>], from: &Machine) -> Vec<Machine> {
         let place = |(at, of): (usize, &Vec<Machine>)| Some((at, of.iter().position(|of| of == from)?));
         let Some((mut at, way)) = grid.iter().enumerate().find_map(place) else { return Vec::new() };
+        let nearest_at =
+            |index: usize| nearest_with_cost(with_junctions(&grid[index][way]), self.runs, self.whitenings);
         let mut tried: Vec<Option<(f64, Machine)>> = vec![None; grid.len()];
+        let cost_of = |tried: &[Option<(f64, Machine)>], index: usize| {
+            tried[index].as_ref().map_or(f64::INFINITY, |(cost, _)| *cost)
+        };
+        if self.held.is_none() {
+            tried = (0..grid.len()).map(nearest_at).collect();
+            let by_cost =
+                |one: &usize, other: &usize| cost_of(&tried, *one).total_cmp(&cost_of(&tried, *other));
+            at = (0..grid.len()).min_by(by_cost).unwrap_or(at);
+        }
         loop {
             let around = at.saturating_sub(1)..(at + 2).min(grid.len());
             for index in around.clone() {
                 if tried[index].is_none() {
-                    tried[index] =
-                        nearest_with_cost(with_junctions(&grid[index][way]), self.runs, self.whitenings);
+                    tried[index] = nearest_at(index);
                 }
             }
-            let cost = |index: &usize| tried[*index].as_ref().map_or(f64::INFINITY, |(cost, _)| *cost);
+            let cost = |index: &usize| cost_of(&tried, *index);
             let mut by_cost: Vec<usize> = around.collect();
             sort_by_number(&mut by_cost, cost);
             if by_cost[0] == at {
@@ -175,7 +186,7 @@ fn candidates(plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<Candidate
         let limits: &[bool] = if is_limited { &[false, true] } else { &[false] };
         let (tolerances, ratios): (&[bool], &[f64]) = match planner {
             Planner::AccelerationBlend => (&[false, true], &[0.0]),
-            Planner::JunctionDeviation => (&[false], &[0.0]),
+            Planner::JunctionDeviation | Planner::AxisStep => (&[false], &[0.0]),
             Planner::SquareCorner => (&[false], &INITIAL_CRUISE_RATIOS),
         };
         for &is_limited in limits {
@@ -193,9 +204,12 @@ fn candidates(plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<Candidate
     candidates
 }
 
-/// Returns `true` if a planner passes corners at a feedrate that its law gives, as grbl and Klipper do.
+/// Returns `true` if a planner passes corners at a feedrate that its law gives, as grbl, Klipper and Marlin do.
 pub fn has_junction_law(machine: &Machine) -> bool {
-    matches!(machine.interpolator.junction, Junction::Deviation(_) | Junction::SquareCorner(_))
+    matches!(
+        machine.interpolator.junction,
+        Junction::Deviation(_) | Junction::SquareCorner(_) | Junction::AxisStep(_)
+    )
 }
 
 /// Returns the machine with another way to blend corners, with other steps or step segments, or with another value of its

@@ -8,7 +8,7 @@ use crate::identification::calibration::{
     BETTER_FAMILY, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, families, jerk_limits, largest_shift,
 };
 use crate::identification::fit::{FTOL, Whitening, cost_of, ramp_misfit};
-use crate::machine::Machine;
+use crate::machine::{Junction, Machine};
 use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 
 /// Least shift of any moment of the runs that distinguishes two planners, s. Simulated planners are not more exact than a
@@ -65,7 +65,19 @@ impl Fitting<'_> {
         if let Some(other) = families::chosen_again(&best.machine, self.runs(), &whitenings) {
             (best, whitenings) = self.fit_at_own_noise(&other, 1, FTOL);
         }
-        Model { best, whitenings, order: 1 }
+        let model = Model { best, whitenings, order: 1 };
+        self.with_quintic_ramps(model)
+    }
+
+    /// Returns a planner by steps of axis velocities with quintic ramps if these have the recorded shape and its own have not.
+    /// They take as long, so nothing else changes.
+    fn with_quintic_ramps(&self, mut model: Model) -> Model {
+        let is_step = matches!(model.best.machine.interpolator.junction, Junction::AxisStep(_));
+        if is_step && !self.has_recorded_ramps(&model) {
+            model.best.machine.interpolator.quintic_ramps = true;
+            model.best.machine.interpolator.quintic_ramps = self.has_recorded_ramps(&model);
+        }
+        model
     }
 
     /// Returns the planner of a family whose ramps have the recorded shape, unless another one is nearer by far; `None` if

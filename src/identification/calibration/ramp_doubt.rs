@@ -16,8 +16,8 @@
 use crate::identification::calibration::Estimate;
 use crate::identification::comparison::RampMisfit;
 use crate::identification::effects::parameters::{
-    AXIS_ACCELERATION, Adjustable, JUNCTION_DEVIATION, MINIMUM_CRUISE_RATIO, PATH_ACCELERATION, PATH_JERK,
-    SQUARE_CORNER_VELOCITY,
+    AXIS_ACCELERATION, AXIS_VELOCITY_STEP, Adjustable, JUNCTION_DEVIATION, MINIMUM_CRUISE_RATIO,
+    PATH_ACCELERATION, PATH_JERK, SQUARE_CORNER_VELOCITY,
 };
 
 /// Returns an estimate whose deviation contains the misfit of ramps if it is an acceleration, and that has none if it belongs
@@ -26,7 +26,8 @@ pub fn doubted(estimate: Estimate, misfit: &RampMisfit) -> Estimate {
     let is = |parameter: &Adjustable| parameter.key == estimate.key;
     let of_axis = AXIS_ACCELERATION.iter().position(is);
     let is_along_path = is(&PATH_ACCELERATION);
-    let others = [JUNCTION_DEVIATION, SQUARE_CORNER_VELOCITY, MINIMUM_CRUISE_RATIO, PATH_JERK];
+    let others =
+        [JUNCTION_DEVIATION, SQUARE_CORNER_VELOCITY, AXIS_VELOCITY_STEP, MINIMUM_CRUISE_RATIO, PATH_JERK];
     if of_axis.is_none() && !is_along_path && !others.iter().any(is) {
         return estimate;
     }

@@ -339,7 +339,7 @@ impl RapidPlateaus {
     /// Z if that is slower, and by the programmed feedrate unless they exceed it: so does Klipper.
     pub fn limited_along_path(&self, machine: &Machine, file: &Machine) -> Machine {
         let mut limited = machine.clone();
-        limited.rapid.at_feedrate = self.feedrates.are_programmed(true);
+        limited.rapid.at_feedrate = self.feedrates.are_programmed(machine.rapid.at_feedrate);
         let rates = self.rates(&limited);
         // What a rapid held at its feedrate, the machine can do.
         let can_do = file.fastest_rapid().max(self.rates.path.unwrap_or(0.0));
@@ -416,7 +416,8 @@ pub fn is_limited_as_rapids(machine: &Machine, axis: usize, plateaus: Option<Rap
 /// Returns `true` if the control has one velocity of an axis for feed and rapids.
 fn limits_rapids_as_feed(machine: &Machine) -> bool {
     let junction = machine.interpolator.junction;
-    !machine.has_filters() && (junction.blends_in_time() || matches!(junction, Junction::Deviation(_)))
+    !machine.has_filters()
+        && (junction.blends_in_time() || matches!(junction, Junction::Deviation(_) | Junction::AxisStep(_)))
 }
 
 /// Returns `true` for each axis whose rapid rate no run showed for certain; `false` for all of them if no run has positions.

@@ -24,7 +24,7 @@ use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::evidence::{Evidence, assumed};
 use crate::identification::diagnosis::gates::price;
 use crate::identification::effects::parameters::{
-    AXIS_ACCELERATION, Adjustable, JUNCTION_DEVIATION, MAX_OVERRIDE, PATH_ACCELERATION,
+    AXIS_ACCELERATION, AXIS_VELOCITY_STEP, Adjustable, JUNCTION_DEVIATION, MAX_OVERRIDE, PATH_ACCELERATION,
     SQUARE_CORNER_VELOCITY,
 };
 use crate::identification::fit::{FTOL, FreeParameter, Run, fit};
@@ -97,11 +97,12 @@ fn accelerations(machine: &Machine) -> Vec<FreeParameter> {
 }
 
 /// Returns the free parameter for the value of the junction law, within [`JUNCTION_LAW_RATIO`] of the calibrated one; `None` if
-/// the junction law is not that of grbl or Klipper.
+/// corners have no law of their own feedrate.
 fn junction_law(machine: &Machine) -> Option<FreeParameter> {
     let parameter = match machine.interpolator.junction {
         Junction::Deviation(_) => JUNCTION_DEVIATION,
         Junction::SquareCorner(_) => SQUARE_CORNER_VELOCITY,
+        Junction::AxisStep(_) => AXIS_VELOCITY_STEP,
         _ => return None,
     };
     let own = parameter.handle().get(machine)?;

@@ -148,7 +148,7 @@ effects! {
     /// Another law that limits the feedrate at corners.
     JUNCTION_RULE {
         id: "junction_rule", rarity: OF_SOFTWARE, offered: corners::junctions,
-        vendors: "$11 (grbl), square_corner_velocity (Klipper), ARC_BLEND_ENABLE (LinuxCNC), No. 1783 (Fanuc)",
+        vendors: "$11 (grbl), square_corner_velocity (Klipper), M205 (Marlin), ARC_BLEND_ENABLE (LinuxCNC), No. 1783 (Fanuc)",
         sentence: |f| match f.get(of::VALUE) {
             Some(_) => format!(
                 "Corners follow another rule, {} of {}{}.",

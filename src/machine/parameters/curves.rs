@@ -4,7 +4,7 @@ use crate::machine::ArcChords;
 use crate::machine::parameter::{JERK_BOUNDS_MM_S3, Parameter, TOLERANCE_BOUNDS_MM, row};
 
 /// The rows.
-pub(super) const CURVES: [Parameter; 7] = [
+pub(super) const CURVES: [Parameter; 8] = [
     row!("interpolator.arc_tolerance_mm", "Contour tolerance of arcs", optional Millimetre TOLERANCE_BOUNDS_MM [interpolator.arc_tolerance],
         "How far inside an arc the motion may run. Empty: the contour tolerance."),
     row!("rapid.positioning_jerk_mm_s3", "Jerk of positioning", limit MillimetrePerSecond3 JERK_BOUNDS_MM_S3 [rapid.positioning_jerk],
@@ -25,4 +25,10 @@ pub(super) const CURVES: [Parameter; 7] = [
         "The control divides arcs into chords of this length, each a block, as Klipper (resolution). Empty: it does not."),
     row!("interpolator.minimum_cruise_ratio", "Minimum cruise ratio", value Number (0.0, 0.99) [interpolator.minimum_cruise_ratio] or 0.0,
         "Limits the speed of moves that only accelerate and brake, as Klipper does, by lowering their acceleration by this part. Needs acceleration before the filters. 0: no such limit."),
+    row!(
+        "interpolator.quintic_ramps",
+        "Quintic ramps",
+        flag[interpolator.quintic_ramps],
+        "Ramps of constant acceleration take the same time on a curve of fifth order, which begins and ends without acceleration, as in Marlin (S_CURVE_ACCELERATION)."
+    ),
 ];

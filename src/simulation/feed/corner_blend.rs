@@ -79,8 +79,10 @@ const MAX_OPPOSITE_ONE_PLUS_COSINE: f64 =
 pub fn blend(sides: [CornerSide; 2], machine: &Machine, tolerance: f64) -> Blend {
     let corner = Corner::between(sides, machine);
     let parabola = || parabola::blend(sides, machine, tolerance, sides.map(|side| side.segment.length), 0.0);
+    let is_exact = machine.interpolator.junction == Junction::ExactPath || sides[0].segment.exact_path;
     if machine.interpolator.junction == Junction::ParabolicBlend {
-        return parabola();
+        // Without arc blends LinuxCNC looks for no tangents, which alone take a share of the acceleration.
+        return if is_exact { Blend::none(0.0) } else { parabola() };
     }
     if 2.0 * corner.half_cosine.powi(2) < MAX_OPPOSITE_ONE_PLUS_COSINE {
         return Blend::none(0.0);
@@ -89,7 +91,7 @@ pub fn blend(sides: [CornerSide; 2], machine: &Machine, tolerance: f64) -> Blend
     if kink < KINK_SHARE {
         return Blend { taken: kink, ..Blend::none(f64::INFINITY) };
     }
-    if machine.interpolator.junction == Junction::ExactPath || sides[0].segment.exact_path {
+    if is_exact {
         return Blend { taken: KINK_SHARE, ..Blend::none(0.0) };
     }
     let by_kink = corner.slower() * KINK_SHARE / kink;
@@ -441,5 +443,13 @@ mod tests {
         let found = blend_of(&turn(90.0), &machine, 0.02, 100.0);
         let expected = 2.0 * (250.0 * 0.02 / std::f64::consts::FRAC_1_SQRT_2).sqrt();
         assert!(found.is_parabola() && (found.ends[0] - expected).abs() < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn without_arc_blends_exact_path_stops_with_the_whole_acceleration() {
+        let mut machine = machine();
+        machine.interpolator.junction = Junction::ParabolicBlend;
+        let exact = trace(&read(b"G61\nG1 F600 X10\nY10"), &machine);
+        assert_eq!(blend_of(&exact, &machine, 0.02, 10.0), Blend::none(0.0));
     }
 }

@@ -9,6 +9,9 @@
 //! axis velocity step    V / max_k |u2 − u1|_k
 //! ```
 //!
+//! A rest is a corner with u = 0 on one side to the axis velocity step of a planner without filters: motions begin and end
+//! at V / max_k |u|_k. All other laws begin and end at 0.
+//!
 //! For the junction deviation δ, b is the acceleration along the bisector, which is the direction d in which
 //! the velocity changes, with each axis at its own limit a_k: if X and Y have the limit a, b is √2 a at a
 //! right angle between them. The square-corner velocity V (mm/s) is the command at 90°, whatever the
@@ -107,6 +110,14 @@ impl CornerTurn {
             }
             Junction::AxisStep(velocity) => velocity / (self.after - self.before).amax(),
         }
+    }
+}
+
+/// Returns the step of velocity of any axis with which motions begin and end at a rest, mm/s; 0 if there is none.
+pub fn step_at_rest(machine: &Machine) -> f64 {
+    match machine.interpolator.junction {
+        Junction::AxisStep(velocity) if !machine.has_filters() => velocity,
+        _ => 0.0,
     }
 }
 

@@ -387,7 +387,7 @@ fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool 
         || halts::rapid_ends_stop(before, machine)
         || positioning::applies(before, machine)
         || positioning::applies(after, machine)
-        || exact_stop_by_turn(before, after, machine)
+        || exact_stop_by_turn(before, after, machine) && !halts::is_exact_path(before, machine)
 }
 
 /// Returns `true` if the corner between two segments is sharper than the machine's exact-stop angle.

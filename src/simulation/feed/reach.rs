@@ -26,7 +26,7 @@
 use crate::machine::Junction;
 use crate::simulation::feed::ramp::Ramp;
 use crate::simulation::feed::rest_to_rest::MotionPlanner;
-use crate::simulation::feed::{cruise, limits};
+use crate::simulation::feed::{cruise, junction, limits};
 use crate::simulation::running_sum::running_sum;
 
 impl MotionPlanner<'_> {
@@ -54,7 +54,8 @@ impl MotionPlanner<'_> {
                 Some(braked) if braked[seen].is_finite() => 0.5 * (braked[seen] - braked[i]) / visible,
                 _ => self.segment_limits.accelerations[i],
             };
-            processed.min(limits::stopping_feedrate(visible, self.filter.half_delay(), acceleration))
+            let stopping = limits::stopping_feedrate(visible, self.filter.half_delay(), acceleration);
+            processed.min(stopping.hypot(self.at_rest(seen - 1, 1)))
         };
         Some((0..count).map(supplied).collect())
     }
@@ -90,8 +91,17 @@ impl MotionPlanner<'_> {
         for (i, corner) in corners.iter_mut().enumerate() {
             let seen = (i as f64 + look_ahead) as usize;
             if let Some(end) = braked.get(seen).filter(|end| seen < braked.len() - 1 && end.is_finite()) {
-                *corner = corner.min((end - braked[i + 1]).max(0.0).sqrt());
+                let stopping = (end - braked[i + 1]).max(0.0).sqrt();
+                *corner = corner.min(stopping.hypot(self.at_rest(seen - 1, 1)));
             }
+        }
+    }
+
+    /// Returns the feedrate at which a segment can begin at a rest, or, with `end` 1, end at one, mm/s.
+    fn at_rest(&self, i: usize, end: usize) -> f64 {
+        match junction::step_at_rest(self.machine) {
+            0.0 => 0.0,
+            step => step / self.tangents(i)[end].amax(),
         }
     }
 
@@ -130,18 +140,20 @@ impl MotionPlanner<'_> {
         self.reach_neighbours(corners, feedrates);
     }
 
-    /// Lowers corners and feedrates (mm/s) to those that the planner can run.
-    pub(super) fn reach(&self, corners: &mut [f64], feedrates: &mut [f64]) {
+    /// Lowers corners and feedrates (mm/s) to those that the planner can run. Returns the feedrates at which the motion
+    /// begins and ends at its rests, mm/s.
+    pub(super) fn reach(&self, corners: &mut [f64], feedrates: &mut [f64]) -> [f64; 2] {
         if !self.has_reach() {
-            return;
+            return [0.0; 2];
         }
         self.see_ahead(corners);
         let cruises = self.machine.limits_command() && 0.0 < self.machine.interpolator.minimum_cruise_ratio;
         let limits = if cruises { self.slower_of_both(corners, feedrates) } else { Vec::new() };
-        self.reach_neighbours(corners, feedrates);
+        let at_rests = self.reach_neighbours(corners, feedrates);
         if cruises {
             self.cruise(&limits, corners, feedrates);
         }
+        at_rests
     }
 
     /// Returns the corner after each segment (mm/s), limited to the feedrates of both sides.
@@ -156,22 +168,84 @@ impl MotionPlanner<'_> {
     }
 
     /// Lowers the corners after each segment (mm/s) that their neighbours could not reach, or leave, within
-    /// the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. The motion begins and ends at a stop.
-    fn reach_neighbours(&self, corners: &mut [f64], feedrates: &[f64]) {
+    /// the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. Returns the feedrates at which the motion begins and
+    /// ends at its rests, mm/s.
+    fn reach_neighbours(&self, corners: &mut [f64], feedrates: &[f64]) -> [f64; 2] {
         let reach = |from: f64, to: f64, i: usize| match self.ramp(i) {
             Some(ramp) => ramp.reach(from, self.length(i), to),
-            None => (from * from + 2.0 * self.acceleration(i) * self.length(i)).sqrt(),
+            None => to.min((from * from + 2.0 * self.acceleration(i) * self.length(i)).sqrt()),
         };
-        let mut before = 0.0;
-        for (i, corner) in corners.iter_mut().enumerate() {
-            let slower = feedrates.get(i + 1).map_or(0.0, |next| next.min(feedrates[i]));
-            *corner = corner.min(slower);
-            *corner = corner.min(reach(before, *corner, i));
+        let last = corners.len() - 1;
+        let begin = self.at_rest(0, 0).min(feedrates[0]);
+        let mut before = begin;
+        for (i, corner) in corners[..last].iter_mut().enumerate() {
+            *corner = reach(before, corner.min(feedrates[i]).min(feedrates[i + 1]), i);
             before = *corner;
         }
-        for i in (1..corners.len()).rev() {
-            let to = corners[i - 1];
-            corners[i - 1] = to.min(reach(corners[i], to, i));
+        let end = reach(before, self.at_rest(last, 1).min(feedrates[last]), last);
+        let mut after = end;
+        for i in (1..=last).rev() {
+            after = reach(after, corners[i - 1], i);
+            corners[i - 1] = after;
+        }
+        [reach(after, begin, 0), end]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::machine::{Machine, Planner};
+    use crate::simulation::feed::FeedPlan;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::simulate;
+    use crate::simulation::toolpath::Toolpath;
+
+    /// Steps of 10 mm/s and 400 mm/s².
+    fn marlin() -> Machine {
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::AxisStep, 400.0);
+        machine
+    }
+
+    fn planned(program: &str, machine: &Machine) -> (Toolpath, FeedPlan) {
+        let toolpath = trace(&read(program.as_bytes()), machine);
+        let plan = simulate(&toolpath, machine);
+        (toolpath, plan)
+    }
+
+    #[test]
+    fn motions_begin_and_end_with_the_step_of_an_axis() {
+        let machine = marlin();
+        // From 10 to 50 mm/s in 0.1 s and 3 mm; along a diagonal from 12.5 mm/s with 500 mm/s²; slower than the step without ramps.
+        let diagonal = 2.0 * 37.5 / 500.0 + (20.0 - 37.5 * 62.5 / 500.0) / 50.0;
+        for (program, expected) in
+            [("G1 X20 F3000", 0.2 + 14.0 / 50.0), ("G1 X12 Y16 F3000", diagonal), ("G1 X20 F300", 4.0)]
+        {
+            let time = planned(program, &machine).1.cycle_time();
+            assert!((time - expected).abs() < 1e-4, "{program}: {time} s, {expected} s");
+        }
+    }
+
+    #[test]
+    fn filters_begin_at_rest() {
+        let mut machine = Machine::default();
+        let without = planned("G1 X20 F3000", &machine).1.cycle_time();
+        machine.interpolator.junction = marlin().interpolator.junction;
+        assert!((planned("G1 X20 F3000", &machine).1.cycle_time() - without).abs() < 1e-9);
+    }
+
+    /// The path turns back at 5 mm/s, from where the step is not reached within a micrometre.
+    #[test]
+    fn a_short_block_beside_a_rest_keeps_its_length() {
+        for program in ["G1 X10 F3000\nX9.999", "G1 X0.001 F3000\nX-9.999"] {
+            let (toolpath, plan) = planned(program, &marlin());
+            for (index, segment) in toolpath.segments.iter().enumerate() {
+                let own = plan.pulses.iter().filter(|pulse| pulse.segment as usize == index);
+                let length: f64 =
+                    own.map(|pulse| 0.5 * pulse.duration * (pulse.feedrate[0] + pulse.feedrate[1])).sum();
+                assert!((length - segment.length).abs() < 1e-9, "{program}: {length} mm");
+            }
         }
     }
 }

@@ -101,10 +101,11 @@ pub(super) fn add_rest_to_rest(
         if let Some(supplied) = starving {
             lowered = limited_by_supply(&supplied, feedrates, &lowered);
         }
-        planner.reach(corners, feedrates);
+        let at_rests = planner.reach(corners, feedrates);
         let mut lowered = lowered.into_iter().peekable();
-        let mut before = 0.0;
-        for (i, (&feedrate, &after)) in feedrates.iter().zip(&*corners).enumerate() {
+        let mut before = at_rests[0];
+        let behind = corners[..corners.len() - 1].iter().chain([&at_rests[1]]);
+        for (i, (&feedrate, &after)) in feedrates.iter().zip(behind).enumerate() {
             let without_tolerance =
                 lowered.next_if(|(at, _)| *at == i).map_or(feedrate, |(_, requested)| requested);
             let corners = [std::mem::replace(&mut before, after), after];
@@ -277,6 +278,11 @@ impl MotionPlanner<'_> {
 
     pub(super) fn length(&self, i: usize) -> f64 {
         self.toolpath.segments.length(self.range.start + i)
+    }
+
+    /// Returns the unit tangents of a segment at its beginning and at its end.
+    pub(super) fn tangents(&self, i: usize) -> [Vector; 2] {
+        self.toolpath.segments.length_and_tangents(self.range.start + i).1
     }
 
     /// Returns the acceleration limit of the command on a segment, mm/s²; infinite if acceleration limits act
@@ -539,8 +545,11 @@ impl MotionPlanner<'_> {
                 run(parts.into_iter().flat_map(|part| ramp.pieces(part, has_filters)), timer, add);
             }
             None => {
-                let acceleration = self.acceleration(i);
-                run(block::parts(length, feedrate, acceleration, ends[0], ends[1]), timer, add);
+                let parts = block::parts(length, feedrate, self.acceleration(i), ends[0], ends[1]);
+                match self.machine.interpolator.quintic_ramps {
+                    true => run(parts.into_iter().flat_map(block::quintic), timer, add),
+                    false => run(parts, timer, add),
+                }
             }
         }
     }

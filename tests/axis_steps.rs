@@ -1,0 +1,107 @@
+//! Controls that limit the step of an axis velocity at corners and at rests, as Marlin, are recognised by a calibration.
+
+use truefeed::identification::alignment::{Alignment, align};
+use truefeed::identification::calibration::calibrate;
+use truefeed::identification::fit::Run;
+use truefeed::identification::recording;
+use truefeed::machine::{Junction, Machine, Planner};
+use truefeed::project::machine_from_toml;
+use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
+use truefeed::simulation::profile::Profile;
+use truefeed::simulation::simulate;
+use truefeed::simulation::toolpath::Toolpath;
+
+use crate::planners::GENERIC;
+
+/// Steps of 5.5 mm/s, in X more acceleration than in Y and Z.
+fn truth() -> Machine {
+    let mut machine = machine_from_toml(GENERIC).expect("the file is right");
+    machine.become_planner(Planner::AxisStep, 1340.0);
+    machine.interpolator.junction = Junction::AxisStep(5.5);
+    machine.axes[1].acceleration = 1080.0;
+    machine.axes[2].acceleration = 1210.0;
+    machine
+}
+
+/// Rows along X with half circles between them: hardly a ramp that holds its acceleration for long.
+fn rows() -> String {
+    let pair = |at: u32| {
+        let (up, down) = (12 * at + 6, 12 * at + 12);
+        format!("G1 X60\nG3 Y{up} I0 J3\nG1 X0\nG2 Y{down} I0 J3\n")
+    };
+    format!(
+        "G21 G90\nG0 Z9 F4980\nG0 X0 Y0\nG0 Z1\nG1 Z-0.5 F800\nF3160\n{}G0 Z9\nM30\n",
+        (0..4).map(pair).collect::<String>()
+    )
+}
+
+/// Corners of many angles with a stop after each turn.
+fn star() -> String {
+    let turn = |at: u32| {
+        let (sin, cos) = (0.7 * f64::from(at)).sin_cos();
+        format!(
+            "G1 X{:.3} Y{:.3} F2400\nX{:.3} Y{:.3} Z-1\nZ0\nG0 X0 Y0 F5400\nG4 P0.2\n",
+            20.0 * cos,
+            20.0 * sin,
+            24.0 * cos,
+            15.0 * sin
+        )
+    };
+    format!("G21 G90\nG0 X0 Y0 Z0 F5400\n{}M30\n", (0..12).map(turn).collect::<String>())
+}
+
+/// The program as a machine runs it, every 4 ms, aligned.
+fn recorded(toolpath: &Toolpath, machine: &Machine) -> Alignment {
+    let plan = simulate(toolpath, machine);
+    let profile = Profile::new(toolpath, &plan);
+    let row = |sample: u32| {
+        let time = 0.004 * f64::from(sample);
+        let p = profile.at_time(time).position;
+        format!("{time:.3},{:.4},{:.4},{:.4}\n", p.x, p.y, p.z)
+    };
+    let rows = (0..=(profile.cycle_time() / 0.004) as u32).map(row);
+    let csv: String = ["t_s,x_mm,y_mm,z_mm\n".to_string()].into_iter().chain(rows).collect();
+    let log = recording::read(csv.as_bytes()).expect("a log");
+    align(&log.recordings[0], toolpath, &machine_from_toml(GENERIC).expect("right"))
+        .expect("it is of this program")
+}
+
+/// Calibrates the machine of which only the least is known on a program that `truth` runs.
+fn calibrated(program: &str, truth: &Machine) -> Machine {
+    let generic = machine_from_toml(GENERIC).expect("the file is right");
+    let toolpath = trace(&read(program.as_bytes()), &generic);
+    let alignment = recorded(&toolpath, truth);
+    let run = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+    calibrate(&generic, &run, &mut |_| {}).machine
+}
+
+fn time(program: &str, machine: &Machine) -> f64 {
+    simulate(&trace(&read(program.as_bytes()), machine), machine).cycle_time()
+}
+
+fn assert_is_truth(found: &Machine, truth: &Machine, other: &str) {
+    let Junction::AxisStep(step) = found.interpolator.junction else {
+        panic!("{:?}", found.interpolator.junction)
+    };
+    assert!((step / 5.5 - 1.0).abs() < 0.01, "{step} mm/s");
+    assert_eq!(found.interpolator.quintic_ramps, truth.interpolator.quintic_ramps);
+    assert!(found.rapid.at_feedrate);
+    let off = time(other, found) / time(other, truth) - 1.0;
+    assert!(off.abs() < 2e-3, "another program is {off} off");
+}
+
+#[test]
+fn steps_of_axis_velocities_are_found_where_ramps_hold_no_acceleration() {
+    let truth = truth();
+    assert_is_truth(&calibrated(&rows(), &truth), &truth, &star());
+}
+
+#[test]
+fn quintic_ramps_are_known_by_their_shape() {
+    let mut truth = truth();
+    truth.interpolator.quintic_ramps = true;
+    assert_is_truth(&calibrated(&star(), &truth), &truth, &rows());
+    truth.interpolator.quintic_ramps = false;
+    assert_is_truth(&calibrated(&star(), &truth), &truth, &rows());
+}
