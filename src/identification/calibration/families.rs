@@ -281,6 +281,11 @@ fn with_and_without_steps(machine: &Machine, runs: &[Run]) -> Vec<Machine> {
     both
 }
 
+/// Returns `true` if the step of the velocity of each axis limits corners, as in Marlin.
+pub fn is_of_axis_steps(machine: &Machine) -> bool {
+    matches!(machine.interpolator.junction, Junction::AxisStep(_))
+}
+
 /// Returns `true` if a junction deviation limits corners, as in grbl.
 pub fn plans_by_deviation(machine: &Machine) -> bool {
     matches!(machine.interpolator.junction, Junction::Deviation(_))

@@ -5,11 +5,17 @@
 //! A planner that limits the acceleration of each axis gets a jerk limit for each axis: the jerk that the ramps hold
 //! ([`held_jerks`]) or, if they hold none, the nearest of a grid. A planner that limits the acceleration along the path gets
 //! one jerk limit along the path.
+//!
+//! If no acceleration is reached, the jerk alone gives ramps their shape, whatever the corners and the chords of arcs are.
+//! Ramps that hold no jerk then have that with which the shape is nearest to the recorded one. Times would mislead there: a
+//! jerk that is a tenth off costs more than a wrong law.
 
-use crate::identification::calibration::families::{has_junction_law, plans_by_deviation, with_junctions};
+use crate::identification::calibration::families::{
+    has_junction_law, is_of_axis_steps, plans_by_deviation, with_junctions,
+};
 use crate::identification::calibration::held_jerks::held_jerks;
 use crate::identification::calibration::nearest;
-use crate::identification::fit::{Run, Whitening};
+use crate::identification::fit::{Run, Whitening, golden_section, ramp_misfit};
 use crate::machine::Machine;
 
 /// Factors for the fitted value of the junction law.
@@ -22,13 +28,15 @@ const START_ACCELERATIONS_MM_S2: [f64; 2] = [1500.0, 500.0];
 const ACCELERATION_BEYOND_RAMPS_MM_S2: f64 = 1e4;
 /// Jerks that are tried where ramps hold none, mm/s³: a ramp by one lasts 1.4 times as long as by the next.
 const START_JERKS_MM_S3: [f64; 10] = [1e3, 2e3, 4e3, 8e3, 16e3, 32e3, 64e3, 128e3, 256e3, 512e3];
+/// Golden sections between two of these jerks, which leave a hundredth of a jerk.
+const SECTIONS_OF_JERK: usize = 9;
 /// Factors for the distance between arcs and their chords: 0.002, 0.01 and 0.05 mm with grbl's default.
 const START_CHORD_ERROR_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
 
 /// Returns the nearest machines of a fitted planner with jerk limits; none if its family blends corners in time or its jerk
 /// is already limited.
 pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Machine> {
-    if !has_junction_law(machine) || machine.limits_jerk() {
+    if !has_junction_law(machine) || is_of_axis_steps(machine) || machine.limits_jerk() {
         return Vec::new();
     }
     let lowest = machine.axes.map(|axis| axis.acceleration).into_iter().fold(f64::INFINITY, f64::min);
@@ -42,14 +50,36 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
     let alike = START_ACCELERATIONS_MM_S2.map(with_acceleration);
     let idle = with_junctions(&with_acceleration(ACCELERATION_BEYOND_RAMPS_MM_S2));
     let held = if plans_by_deviation(machine) { held_jerks(runs) } else { None };
+    let nearest = |machines: Vec<Machine>| nearest(machines, runs, whitenings);
     let near = |of: &[Machine]| {
-        let nearest = |machines: Vec<Machine>| nearest(machines, runs, whitenings);
         let ramps = nearest(of.iter().flat_map(|of| at_jerks(of, held)).collect())?;
         let corners = nearest(START_JUNCTION_RATIOS.map(|ratio| ramps.with_scaled_junction(ratio)).to_vec())?;
         // Each chord has its own ramps.
         nearest(START_CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)).to_vec())
     };
-    [&steeper[..], &alike, &idle].into_iter().filter_map(near).collect()
+    let of_ramps = held.or_else(|| jerk_of_shape(&idle[0], runs).map(|jerk| [jerk; 3]));
+    let idle: Vec<Machine> = idle.iter().flat_map(|of| at_jerks(of, of_ramps)).collect();
+    let with_chords = |of: &Machine| START_CHORD_ERROR_RATIOS.map(|ratio| of.with_scaled_chords(ratio));
+    let idle = nearest(idle.iter().flat_map(with_chords).collect());
+    idle.into_iter().chain([&steeper[..], &alike].into_iter().filter_map(near)).collect()
+}
+
+/// Returns the jerk with which the ramps of a planner that reaches no acceleration have the shape nearest to the recorded one,
+/// mm/s³; `None` if the runs show no ramps.
+fn jerk_of_shape(planner: &Machine, runs: &[Run]) -> Option<f64> {
+    let misfit = |jerk: f64| {
+        let ramps = at_jerks(planner, Some([jerk; 3]));
+        ramp_misfit(&ramps[0], runs).of_path.unwrap_or(f64::INFINITY)
+    };
+    let misfits = START_JERKS_MM_S3.map(misfit);
+    let nearest = (0..misfits.len()).min_by(|one, other| misfits[*one].total_cmp(&misfits[*other]))?;
+    if misfits[nearest] == f64::INFINITY {
+        return None;
+    }
+    let beside = [nearest.saturating_sub(1), (nearest + 1).min(misfits.len() - 1)];
+    let [low, high] = beside.map(|at| START_JERKS_MM_S3[at].ln());
+    let (low, high) = golden_section((low, high), SECTIONS_OF_JERK, |log| misfit(log.exp()));
+    Some((0.5 * (low + high)).exp())
 }
 
 /// Returns a planner with the jerks that its axes hold (mm/s³) or, without them, with each jerk from which a fit begins.

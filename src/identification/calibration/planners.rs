@@ -8,7 +8,7 @@ use crate::identification::calibration::{
     BETTER_FAMILY, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, families, jerk_limits, largest_shift,
 };
 use crate::identification::fit::{FTOL, Whitening, cost_of, ramp_misfit};
-use crate::machine::{Junction, Machine};
+use crate::machine::Machine;
 use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 
 /// Least shift of any moment of the runs that distinguishes two planners, s. Simulated planners are not more exact than a
@@ -16,6 +16,9 @@ use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 const MIN_DISTINGUISHING_SHIFT_S: f64 = LINUXCNC_SERVO_PERIOD_S;
 /// Least delay of filters that shape ramps, s: the longest usual cycle of a control.
 const MIN_FILTER_DELAY_S: f64 = 4e-3;
+/// Largest misfit of the ramps of a planner with the right law: up to 0.032 in the development seeds. Up to
+/// [`MAX_RAMP_MISFIT`](crate::machine::MAX_RAMP_MISFIT) another law may be nearer, and is tried.
+const MAX_MISFIT_OF_RIGHT_LAW: f64 = 0.04;
 /// Share of the fits of planners in the progress.
 const PLANNERS_SHARE: f64 = 0.4;
 
@@ -69,13 +72,12 @@ impl Fitting<'_> {
         self.with_quintic_ramps(model)
     }
 
-    /// Returns a planner by steps of axis velocities with quintic ramps if these have the recorded shape and its own have not.
+    /// Returns a planner by steps of axis velocities with quintic ramps if these have the recorded shape and others have not.
     /// They take as long, so nothing else changes.
     fn with_quintic_ramps(&self, mut model: Model) -> Model {
-        let is_step = matches!(model.best.machine.interpolator.junction, Junction::AxisStep(_));
-        if is_step && !self.has_recorded_ramps(&model) {
+        if families::is_of_axis_steps(&model.best.machine) && !self.has_its_ramps(&model) {
             model.best.machine.interpolator.quintic_ramps = true;
-            model.best.machine.interpolator.quintic_ramps = self.has_recorded_ramps(&model);
+            model.best.machine.interpolator.quintic_ramps = self.has_its_ramps(&model);
         }
         model
     }
@@ -85,13 +87,22 @@ impl Fitting<'_> {
     /// its ramps may.
     fn chosen_planner(&mut self, of_families: Vec<Model>) -> Option<Model> {
         let (with_its_ramps, others): (Vec<Model>, Vec<Model>) =
-            of_families.into_iter().partition(|model| self.has_recorded_ramps(model));
+            of_families.into_iter().partition(|model| !has_quintic_ramps(model) && self.has_its_ramps(model));
         if let Some(own) = self.nearest_planner(with_its_ramps)
             && !others.iter().any(|other| self.is_nearer_by_far(other, &own))
         {
             return Some(own);
         }
-        let limited = others.into_iter().map(|planner| self.with_jerk_limit(planner)).collect();
+        // Quintic ramps look like ramps of constant jerk, so their times decide.
+        let is_right =
+            |planner: &Model| self.has_its_ramps(planner) && planner.best.cost < MIN_CONTRADICTING_COST;
+        let mut has_right_law = others.iter().any(is_right);
+        let mut limited = Vec::new();
+        for planner in others {
+            let planner = if has_right_law { planner } else { self.with_jerk_limit(planner) };
+            has_right_law |= planner.best.machine.limits_jerk() && self.has_its_ramps(&planner);
+            limited.push(planner);
+        }
         self.nearest_planner(limited)
     }
 
@@ -112,15 +123,27 @@ impl Fitting<'_> {
     /// returns the planner unchanged.
     fn with_jerk_limit(&mut self, planner: Model) -> Model {
         let starts = jerk_limits::with_jerk_limits(&planner.best.machine, self.runs(), &planner.whitenings);
-        starts.iter().fold(planner, |planner, start| {
+        let mut nearest = planner;
+        for start in &starts {
             let limited = self.planner(start);
-            if self.is_nearer(&limited, &planner) { limited } else { planner }
-        })
+            if self.is_nearer(&limited, &nearest) {
+                nearest = limited;
+            }
+            if self.has_its_ramps(&nearest) {
+                break;
+            }
+        }
+        nearest
     }
 
     /// Returns `true` if ramps have the recorded shape, or if no run shows it.
     fn has_recorded_ramps(&self, model: &Model) -> bool {
         ramp_misfit(&model.best.machine, self.runs()).is_of_law()
+    }
+
+    /// Returns `true` if the shape of ramps leaves no doubt of the law of a planner, or if no run shows it.
+    fn has_its_ramps(&self, model: &Model) -> bool {
+        ramp_misfit(&model.best.machine, self.runs()).is_within(MAX_MISFIT_OF_RIGHT_LAW)
     }
 
     /// Returns `true` if a planner is nearer to the runs than an earlier one: by far if both blend corners in time or it has
@@ -179,6 +202,11 @@ impl Fitting<'_> {
 /// runs contradict the other one.
 fn max_cost(before: f64, by_far: bool) -> f64 {
     if by_far { (1.0 - BETTER_FAMILY) * before } else { before - MIN_CONTRADICTING_COST }
+}
+
+/// Returns `true` if the ramps of a planner are curves of fifth order.
+fn has_quintic_ramps(model: &Model) -> bool {
+    model.best.machine.interpolator.quintic_ramps
 }
 
 /// Returns `true` if two planners have the same junction law; all ways to blend corners count as one.

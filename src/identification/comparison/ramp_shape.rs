@@ -66,7 +66,12 @@ impl RampMisfit {
 
     /// Returns `true` if ramps have the recorded shape, or if no window shows it.
     pub fn is_of_law(&self) -> bool {
-        self.of_path.is_none_or(|misfit| misfit <= MAX_RAMP_MISFIT)
+        self.is_within(MAX_RAMP_MISFIT)
+    }
+
+    /// Returns `true` if the misfit of all ramps is at most `limit`, or if no window shows it.
+    pub fn is_within(&self, limit: f64) -> bool {
+        self.of_path.is_none_or(|misfit| misfit <= limit)
     }
 }
 

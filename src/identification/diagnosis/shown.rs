@@ -97,7 +97,7 @@ fn accelerations(machine: &Machine) -> Vec<FreeParameter> {
 }
 
 /// Returns the free parameter for the value of the junction law, within [`JUNCTION_LAW_RATIO`] of the calibrated one; `None` if
-/// corners have no law of their own feedrate.
+/// no law gives corners a feedrate.
 fn junction_law(machine: &Machine) -> Option<FreeParameter> {
     let parameter = match machine.interpolator.junction {
         Junction::Deviation(_) => JUNCTION_DEVIATION,

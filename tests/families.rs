@@ -1,10 +1,11 @@
-//! Controls that limit the step of an axis velocity at corners and at rests, as Marlin, are recognised by a calibration.
+//! Families of planners that a calibration recognises: steps of axis velocities at corners and at rests, as Marlin, and ramps of
+//! constant jerk, as TinyG.
 
 use truefeed::identification::alignment::{Alignment, align};
 use truefeed::identification::calibration::calibrate;
 use truefeed::identification::fit::Run;
 use truefeed::identification::recording;
-use truefeed::machine::{Junction, Machine, Planner};
+use truefeed::machine::{ArcChords, Junction, Machine, Planner};
 use truefeed::project::machine_from_toml;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::interpreter::trace;
@@ -104,4 +105,68 @@ fn quintic_ramps_are_known_by_their_shape() {
     assert_is_truth(&calibrated(&star(), &truth), &truth, &rows());
     truth.interpolator.quintic_ramps = false;
     assert_is_truth(&calibrated(&star(), &truth), &truth, &rows());
+}
+
+/// Small circles with a corner before each: the motion turns in all ramps, so that these hold no jerk.
+fn circles() -> String {
+    let circle = |at: u32| format!("G1 X{} F{}\nG3 I0 J3.8\n", 3 * at, 1500 + 400 * (at % 4));
+    format!("G21 G90\nG0 X0 Y0 Z2\nG1 Z-1 F300\n{}G0 Z2\nM30\n", (1..=14).map(circle).collect::<String>())
+}
+
+#[test]
+fn a_jerk_that_no_straight_ramp_shows_is_found_by_the_shape_of_ramps() {
+    let mut truth = machine_from_toml(GENERIC).expect("the file is right");
+    truth.become_planner(Planner::JunctionDeviation, 1050.0);
+    truth.interpolator.step_segment = 0.0;
+    truth.interpolator.junction = Junction::Deviation(0.058);
+    truth.interpolator.arc_chords = ArcChords::Within(0.01);
+    truth.axes.iter_mut().for_each(|axis| (axis.jerk, axis.rapid) = (6560.0, 200.0));
+    truth.rapid.feedrate = f64::INFINITY;
+    let found = calibrated(&circles(), &truth);
+    for jerk in found.axes[..2].iter().map(|axis| axis.jerk) {
+        assert!((jerk / 6560.0 - 1.0).abs() < 0.01, "{jerk} mm/s³");
+    }
+    assert!(matches!(found.interpolator.junction, Junction::Deviation(_)));
+}
+
+/// A planner with steps of 10 mm/s and 400 mm/s².
+fn planner() -> Machine {
+    let mut machine = Machine::default();
+    machine.become_planner(Planner::AxisStep, 400.0);
+    machine
+}
+
+#[test]
+fn motions_begin_and_end_with_the_step_of_an_axis() {
+    // From 10 to 50 mm/s in 0.1 s and 3 mm; along a diagonal from 12.5 mm/s with 500 mm/s²; slower than the step without ramps.
+    let diagonal = 2.0 * 37.5 / 500.0 + (20.0 - 37.5 * 62.5 / 500.0) / 50.0;
+    let programs =
+        [("G1 X20 F3000", 0.2 + 14.0 / 50.0), ("G1 X12 Y16 F3000", diagonal), ("G1 X20 F300", 4.0)];
+    for (program, expected) in programs {
+        let found = time(program, &planner());
+        assert!((found - expected).abs() < 1e-4, "{program}: {found} s, {expected} s");
+    }
+}
+
+#[test]
+fn filters_begin_at_rest() {
+    let mut machine = Machine::default();
+    let without = time("G1 X20 F3000", &machine);
+    machine.interpolator.junction = planner().interpolator.junction;
+    assert!((time("G1 X20 F3000", &machine) - without).abs() < 1e-9);
+}
+
+/// The path turns back at 5 mm/s, from where the step is not reached within a micrometre.
+#[test]
+fn a_short_block_beside_a_rest_keeps_its_length() {
+    for program in ["G1 X10 F3000\nX9.999", "G1 X0.001 F3000\nX-9.999"] {
+        let toolpath = trace(&read(program.as_bytes()), &planner());
+        let plan = simulate(&toolpath, &planner());
+        for (index, segment) in toolpath.segments.iter().enumerate() {
+            let own = plan.pulses.iter().filter(|pulse| pulse.segment as usize == index);
+            let length: f64 =
+                own.map(|pulse| 0.5 * pulse.duration * (pulse.feedrate[0] + pulse.feedrate[1])).sum();
+            assert!((length - segment.length).abs() < 1e-9, "{program}: {length} mm");
+        }
+    }
 }
