@@ -52,9 +52,10 @@ struct Guessing<'a> {
     held: Option<HeldAccelerations>,
 }
 
-/// Returns the machine of each family that is nearest to the runs, before any fit. `machine` is the machine before
-/// the calibration; `fitted` has the waits and the rapid feed that filters need. Acceleration blends are guessed
-/// with a contour tolerance, as the control may be started with one, and without.
+/// Returns the machines of each family that are nearest to the runs, before any fit; of the rarest one, with steps of axis
+/// velocities, only the nearest. `machine` is the machine before the calibration; `fitted` has the waits and the rapid feed
+/// that filters need. Acceleration blends are guessed with a contour tolerance, as the control may be started with one, and
+/// without.
 pub fn guesses(
     machine: &Machine,
     fitted: &Machine,
@@ -65,7 +66,12 @@ pub fn guesses(
     let mut plain = fitted.clone();
     plain.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
     let guessing = Guessing { machine, fitted: &plain, runs, whitenings, plateaus, held };
-    candidates(&plain, plateaus).into_iter().flat_map(|candidate| guessing.of(candidate)).collect()
+    let (of_steps, others): (Vec<CandidateFamily>, Vec<CandidateFamily>) = candidates(&plain, plateaus)
+        .into_iter()
+        .partition(|candidate| candidate.planner == Planner::AxisStep);
+    let guesses = |candidate| guessing.of(candidate);
+    let of_steps = guessing.nearest(of_steps.into_iter().flat_map(guesses));
+    others.into_iter().flat_map(guesses).chain(of_steps).collect()
 }
 
 impl Guessing<'_> {
