@@ -57,6 +57,7 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
         // Each chord has its own ramps.
         nearest(START_CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)).to_vec())
     };
+    // Corners hardly matter to the shape of ramps.
     let of_ramps = held.or_else(|| jerk_of_shape(&idle[0], runs).map(|jerk| [jerk; 3]));
     let idle: Vec<Machine> = idle.iter().flat_map(|of| at_jerks(of, of_ramps)).collect();
     let with_chords = |of: &Machine| START_CHORD_ERROR_RATIOS.map(|ratio| of.with_scaled_chords(ratio));
