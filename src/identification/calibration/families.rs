@@ -147,9 +147,9 @@ impl Guessing<'_> {
         };
         if self.held.is_none() {
             tried = (0..grid.len()).map(nearest_at).collect();
-            let by_cost =
-                |one: &usize, other: &usize| cost_of(&tried, *one).total_cmp(&cost_of(&tried, *other));
-            at = (0..grid.len()).min_by(by_cost).unwrap_or(at);
+            let mut by_cost: Vec<usize> = (0..grid.len()).collect();
+            sort_by_number(&mut by_cost, |index| cost_of(&tried, *index));
+            at = by_cost[0];
         }
         loop {
             let around = at.saturating_sub(1)..(at + 2).min(grid.len());
@@ -158,9 +158,8 @@ impl Guessing<'_> {
                     tried[index] = nearest_at(index);
                 }
             }
-            let cost = |index: &usize| cost_of(&tried, *index);
             let mut by_cost: Vec<usize> = around.collect();
-            sort_by_number(&mut by_cost, cost);
+            sort_by_number(&mut by_cost, |index| cost_of(&tried, *index));
             if by_cost[0] == at {
                 let both = by_cost.iter().take(2).filter_map(|index| tried[*index].take());
                 let mut both: Vec<Machine> = both.map(|(_, of)| of).collect();
