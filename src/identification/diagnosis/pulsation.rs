@@ -12,7 +12,8 @@
 //! of them does not count. The rate 2π f A of a wandering residual is the same at all frequencies; that of a pulsation
 //! exceeds their median [`MIN_POWER_RATIO`] times, in power. An effect of the program is no pulsation: its lost time
 //! rises in steps, whose second harmonic has more than [`PURE`] of the power of the first, or an axis moves at the same
-//! frequency. Source of the method: Welch 1967.
+//! frequency. Nor is a single place that is slower or faster: it has no line, but as much power beside any frequency. Source
+//! of the method: Welch 1967.
 //!
 //! Limits: frequencies from [`MIN_FREQUENCY_HZ`] to [`MAX_FREQUENCY_HZ`] Hz; depths from [`MIN_DEPTH`]; runs with known positions that
 //! last at least one window.
@@ -40,7 +41,9 @@ const MIN_POWER_RATIO: f64 = 30.0;
 /// Least ratio of the power of an axis at a frequency to its median power, from which on the axis moves at that
 /// frequency by itself.
 const MOVES: f64 = 8.0;
-/// Largest power of the second harmonic of a pulsation, as a part of the power of the first.
+/// Distance of the frequencies on both sides of a line at which Hann's weights leave nothing of it, Hz.
+const RESOLUTION_HZ: f64 = 2.0 / (SAMPLE_INTERVAL_S * WINDOW_SAMPLES as f64);
+/// Largest power of the second harmonic of a pulsation, and beside its line, as a part of its power.
 const PURE: f64 = 0.1;
 /// Least depth of a pulsation, as a part of the feedrate.
 const MIN_DEPTH: f64 = 0.01;
@@ -86,7 +89,8 @@ fn pulsation(times: &[f64], residuals: &[f64]) -> Option<Pulsation> {
     let spectrum = Spectrum::of(times, residuals)?;
     let (frequency, depth) =
         frequencies().zip(spectrum.rates.iter().copied()).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let is_pure = spectrum.rate(2.0 * frequency).powi(2) < PURE * depth * depth;
+    let others = [frequency - RESOLUTION_HZ, frequency + RESOLUTION_HZ, 2.0 * frequency];
+    let is_pure = others.iter().all(|other| spectrum.rate(*other).powi(2) < PURE * depth * depth);
     (spectrum.is_above(MIN_POWER_RATIO, depth) && is_pure && MIN_DEPTH <= depth)
         .then_some(Pulsation { frequency, depth })
 }
@@ -187,6 +191,17 @@ mod tests {
             let found = found.expect("it swings");
             assert!((found.frequency / frequency - 1.0).abs() < 0.05, "{found:?} for {frequency} Hz");
             assert!((found.depth / depth - 1.0).abs() < 0.1, "{found:?} for {depth}");
+        }
+    }
+
+    /// A feed override for two seconds of a run that lasts one window.
+    #[test]
+    fn one_faster_place_is_no_pulsation() {
+        for (from, to) in [(9.5, 11.4), (5.0, 8.0), (6.0, 6.5), (2.0, 6.0)] {
+            let times = times(17.5);
+            let gained = |time: &f64| -0.38 * (time.clamp(from, to) - from);
+            let found = pulsation(&times, &times.iter().map(gained).collect::<Vec<_>>());
+            assert_eq!(found, None, "from {from} to {to} s");
         }
     }
 
