@@ -193,9 +193,9 @@ fn ramps_of_constant_jerk_are_found() {
     assert!(misfit < MAX_RAMP_MISFIT, "{misfit}");
 }
 
-/// Marlin's curves last as long as trapezoids, and no law of the library has their shape.
+/// Marlin's curves last as long as trapezoids.
 #[test]
-fn ramps_of_an_unknown_law_are_told() {
+fn steps_of_axis_velocities_and_quintic_ramps_are_found() {
     let truth = Settings {
         acceleration: [400.0; 3],
         velocity: [80.0; 3],
@@ -203,6 +203,17 @@ fn ramps_of_an_unknown_law_are_told() {
         is_curved: true,
         ..Settings::default()
     };
+    let (found, misfit) = calibrated_with_misfit("marlin", "pocket", &truth);
+    let Junction::AxisStep(step) = found.interpolator.junction else { panic!("{:?}", found.interpolator) };
+    assert!((step / 5.0 - 1.0).abs() < 0.01, "{step} mm/s");
+    assert!(found.interpolator.quintic_ramps && misfit < MAX_RAMP_MISFIT, "{misfit}");
+}
+
+/// Marlin's curves with grbl's corners.
+#[test]
+fn ramps_of_an_unknown_law_are_told() {
+    let truth =
+        Settings { acceleration: [400.0; 3], velocity: [80.0; 3], is_curved: true, ..Settings::default() };
     let (found, misfit) = calibrated_with_misfit("marlin", "pocket", &truth);
     assert!(MAX_RAMP_MISFIT < misfit, "{misfit} {:?} {:?}", found.interpolator, found.path);
 }

@@ -28,6 +28,8 @@ const START_ACCELERATIONS_MM_S2: [f64; 2] = [1500.0, 500.0];
 const ACCELERATION_BEYOND_RAMPS_MM_S2: f64 = 1e4;
 /// Jerks that are tried where ramps hold none, mm/s³: a ramp by one lasts 1.4 times as long as by the next.
 const START_JERKS_MM_S3: [f64; 10] = [1e3, 2e3, 4e3, 8e3, 16e3, 32e3, 64e3, 128e3, 256e3, 512e3];
+/// Ratio of the simulated to the recorded time above which a jerk is not tried: it would be too low, and take long to compute.
+const MAX_LENGTHENING: f64 = 2.0;
 /// Golden sections between two of these jerks, which leave a hundredth of a jerk.
 const SECTIONS_OF_JERK: usize = 9;
 /// Factors for the distance between arcs and their chords: 0.002, 0.01 and 0.05 mm with grbl's default.
@@ -48,8 +50,9 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
     let steeper = START_ACCELERATION_RATIOS
         .map(|ratio| machine.with_scaled_accelerations(ratio).with_scaled_junction(1.0 / ratio));
     let alike = START_ACCELERATIONS_MM_S2.map(with_acceleration);
-    let idle = with_junctions(&with_acceleration(ACCELERATION_BEYOND_RAMPS_MM_S2));
-    let held = if plans_by_deviation(machine) { held_jerks(runs) } else { None };
+    let beyond = with_acceleration(ACCELERATION_BEYOND_RAMPS_MM_S2);
+    let has_jerks_of_axes = plans_by_deviation(machine);
+    let held = if has_jerks_of_axes { held_jerks(runs) } else { None };
     let nearest = |machines: Vec<Machine>| nearest(machines, runs, whitenings);
     let near = |of: &[Machine]| {
         let ramps = nearest(of.iter().flat_map(|of| at_jerks(of, held)).collect())?;
@@ -57,20 +60,23 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
         // Each chord has its own ramps.
         nearest(START_CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)).to_vec())
     };
-    // Corners hardly matter to the shape of ramps.
-    let of_ramps = held.or_else(|| jerk_of_shape(&idle[0], runs).map(|jerk| [jerk; 3]));
-    let idle: Vec<Machine> = idle.iter().flat_map(|of| at_jerks(of, of_ramps)).collect();
+    let of_shape = || Some([jerk_of_shape(machine, &beyond, runs).filter(|_| has_jerks_of_axes)?; 3]);
+    let of_ramps = held.or_else(of_shape);
+    let idle: Vec<Machine> = with_junctions(&beyond).iter().flat_map(|of| at_jerks(of, of_ramps)).collect();
     let with_chords = |of: &Machine| START_CHORD_ERROR_RATIOS.map(|ratio| of.with_scaled_chords(ratio));
     let idle = nearest(idle.iter().flat_map(with_chords).collect());
     idle.into_iter().chain([&steeper[..], &alike].into_iter().filter_map(near)).collect()
 }
 
-/// Returns the jerk with which the ramps of a planner that reaches no acceleration have the shape nearest to the recorded one,
-/// mm/s³; `None` if the runs show no ramps.
-fn jerk_of_shape(planner: &Machine, runs: &[Run]) -> Option<f64> {
+/// Returns the jerk with which the ramps of the planner `beyond`, which reaches no acceleration, have the shape nearest to the
+/// recorded one, mm/s³; `None` if the runs show no ramps. `fitted` is the planner of trapezoids that takes the recorded time.
+fn jerk_of_shape(fitted: &Machine, beyond: &Machine, runs: &[Run]) -> Option<f64> {
+    let lasts = |machine: &Machine| runs.iter().map(|run| run.plan(machine).cycle_time()).sum::<f64>();
+    let longest = MAX_LENGTHENING * lasts(fitted);
     let misfit = |jerk: f64| {
-        let ramps = at_jerks(planner, Some([jerk; 3]));
-        ramp_misfit(&ramps[0], runs).of_path.unwrap_or(f64::INFINITY)
+        let ramps = &at_jerks(beyond, Some([jerk; 3]))[0];
+        let misfit = (lasts(ramps) < longest).then(|| ramp_misfit(ramps, runs).of_path);
+        misfit.flatten().unwrap_or(f64::INFINITY)
     };
     let misfits = START_JERKS_MM_S3.map(misfit);
     let nearest = (0..misfits.len()).min_by(|one, other| misfits[*one].total_cmp(&misfits[*other]))?;

@@ -87,7 +87,7 @@ impl Fitting<'_> {
     /// its ramps may.
     fn chosen_planner(&mut self, of_families: Vec<Model>) -> Option<Model> {
         let (with_its_ramps, others): (Vec<Model>, Vec<Model>) =
-            of_families.into_iter().partition(|model| !has_quintic_ramps(model) && self.has_its_ramps(model));
+            of_families.into_iter().partition(|model| self.needs_no_jerk_limit(model));
         if let Some(own) = self.nearest_planner(with_its_ramps)
             && !others.iter().any(|other| self.is_nearer_by_far(other, &own))
         {
@@ -139,6 +139,14 @@ impl Fitting<'_> {
     /// Returns `true` if ramps have the recorded shape, or if no run shows it.
     fn has_recorded_ramps(&self, model: &Model) -> bool {
         ramp_misfit(&model.best.machine, self.runs()).is_of_law()
+    }
+
+    /// Returns `true` if the ramps of a planner of trapezoids have the recorded shape; of the rarest family, without doubt.
+    fn needs_no_jerk_limit(&self, model: &Model) -> bool {
+        match families::is_of_axis_steps(&model.best.machine) {
+            true => !model.best.machine.interpolator.quintic_ramps && self.has_its_ramps(model),
+            false => self.has_recorded_ramps(model),
+        }
     }
 
     /// Returns `true` if the shape of ramps leaves no doubt of the law of a planner, or if no run shows it.
@@ -202,11 +210,6 @@ impl Fitting<'_> {
 /// runs contradict the other one.
 fn max_cost(before: f64, by_far: bool) -> f64 {
     if by_far { (1.0 - BETTER_FAMILY) * before } else { before - MIN_CONTRADICTING_COST }
-}
-
-/// Returns `true` if the ramps of a planner are curves of fifth order.
-fn has_quintic_ramps(model: &Model) -> bool {
-    model.best.machine.interpolator.quintic_ramps
 }
 
 /// Returns `true` if two planners have the same junction law; all ways to blend corners count as one.

@@ -21,7 +21,7 @@
 //!
 //! The ramps of a control may be curves of fifth order instead, which take as long and begin and end without acceleration:
 //! from v, a step of Δv is done to the part 10 τ³ − 15 τ⁴ + 6 τ⁵ after the part τ of the time. The curve is symmetric about
-//! its middle, so the length is the same. It becomes [`PIECES_OF_QUINTIC`] linear pieces, whose ends lie on it.
+//! its middle, so the length is the same. It becomes linear pieces, whose ends lie on it.
 //!
 //! Source of the curve: Marlin, stepper.cpp (`S_CURVE_ACCELERATION`). Limits: |c1² − c2²| ≤ 2 A L, which the look-ahead
 //! ensures.
