@@ -51,8 +51,7 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
         .map(|ratio| machine.with_scaled_accelerations(ratio).with_scaled_junction(1.0 / ratio));
     let alike = START_ACCELERATIONS_MM_S2.map(with_acceleration);
     let beyond = with_acceleration(ACCELERATION_BEYOND_RAMPS_MM_S2);
-    let has_jerks_of_axes = plans_by_deviation(machine);
-    let held = if has_jerks_of_axes { held_jerks(runs) } else { None };
+    let held = if plans_by_deviation(machine) { held_jerks(runs) } else { None };
     let nearest = |machines: Vec<Machine>| nearest(machines, runs, whitenings);
     let near = |of: &[Machine]| {
         let ramps = nearest(of.iter().flat_map(|of| at_jerks(of, held)).collect())?;
@@ -60,11 +59,19 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
         // Each chord has its own ramps.
         nearest(START_CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)).to_vec())
     };
-    let of_shape = || Some([jerk_of_shape(machine, &beyond, runs).filter(|_| has_jerks_of_axes)?; 3]);
-    let of_ramps = held.or_else(of_shape);
-    let idle: Vec<Machine> = with_junctions(&beyond).iter().flat_map(|of| at_jerks(of, of_ramps)).collect();
-    let with_chords = |of: &Machine| START_CHORD_ERROR_RATIOS.map(|ratio| of.with_scaled_chords(ratio));
-    let idle = nearest(idle.iter().flat_map(with_chords).collect());
+    let of_ramps = match plans_by_deviation(machine) {
+        true => held.or_else(|| Some([jerk_of_shape(machine, &beyond, runs)?; 3])),
+        false => None,
+    };
+    let idle = with_junctions(&beyond);
+    let idle = match of_ramps {
+        Some(_) => {
+            let with_chords =
+                |of: Machine| START_CHORD_ERROR_RATIOS.map(|ratio| of.with_scaled_chords(ratio));
+            nearest(idle.iter().flat_map(|of| at_jerks(of, of_ramps)).flat_map(with_chords).collect())
+        }
+        None => near(&idle),
+    };
     idle.into_iter().chain([&steeper[..], &alike].into_iter().filter_map(near)).collect()
 }
 
