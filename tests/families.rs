@@ -1,23 +1,17 @@
 //! Families of planners that a calibration recognises: steps of axis velocities at corners and at rests, as Marlin, and ramps of
 //! constant jerk, as TinyG.
 
-use truefeed::identification::alignment::{Alignment, align};
 use truefeed::identification::calibration::calibrate;
-use truefeed::identification::fit::Run;
-use truefeed::identification::recording;
 use truefeed::machine::{ArcChords, Junction, Machine, Planner};
-use truefeed::project::machine_from_toml;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::interpreter::trace;
-use truefeed::simulation::profile::Profile;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::Toolpath;
 
-use crate::planners::GENERIC;
+use crate::untold::{believed, recorded, run, traced};
 
 /// Steps of 5.5 mm/s, in X more acceleration than in Y and Z.
 fn truth() -> Machine {
-    let mut machine = machine_from_toml(GENERIC).expect("the file is right");
+    let mut machine = believed();
     machine.become_planner(Planner::AxisStep, 1340.0);
     machine.interpolator.junction = Junction::AxisStep(5.5);
     machine.axes[1].acceleration = 1080.0;
@@ -52,29 +46,11 @@ fn star() -> String {
     format!("G21 G90\nG0 X0 Y0 Z0 F5400\n{}M30\n", (0..12).map(turn).collect::<String>())
 }
 
-/// The program as a machine runs it, every 4 ms, aligned.
-fn recorded(toolpath: &Toolpath, machine: &Machine) -> Alignment {
-    let plan = simulate(toolpath, machine);
-    let profile = Profile::new(toolpath, &plan);
-    let row = |sample: u32| {
-        let time = 0.004 * f64::from(sample);
-        let p = profile.at_time(time).position;
-        format!("{time:.3},{:.4},{:.4},{:.4}\n", p.x, p.y, p.z)
-    };
-    let rows = (0..=(profile.cycle_time() / 0.004) as u32).map(row);
-    let csv: String = ["t_s,x_mm,y_mm,z_mm\n".to_string()].into_iter().chain(rows).collect();
-    let log = recording::read(csv.as_bytes()).expect("a log");
-    align(&log.recordings[0], toolpath, &machine_from_toml(GENERIC).expect("right"))
-        .expect("it is of this program")
-}
-
 /// Calibrates the machine of which only the least is known on a program that `truth` runs.
 fn calibrated(program: &str, truth: &Machine) -> Machine {
-    let generic = machine_from_toml(GENERIC).expect("the file is right");
-    let toolpath = trace(&read(program.as_bytes()), &generic);
+    let toolpath = traced(program);
     let alignment = recorded(&toolpath, truth);
-    let run = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
-    calibrate(&generic, &run, &mut |_| {}).machine
+    calibrate(&believed(), &[run(&toolpath, &alignment)], &mut |_| {}).machine
 }
 
 fn time(program: &str, machine: &Machine) -> f64 {
@@ -115,7 +91,7 @@ fn circles() -> String {
 
 #[test]
 fn a_jerk_that_no_straight_ramp_shows_is_found_by_the_shape_of_ramps() {
-    let mut truth = machine_from_toml(GENERIC).expect("the file is right");
+    let mut truth = believed();
     truth.become_planner(Planner::JunctionDeviation, 1050.0);
     truth.interpolator.step_segment = 0.0;
     truth.interpolator.junction = Junction::Deviation(0.058);

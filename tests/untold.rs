@@ -28,7 +28,7 @@ fn truth() -> Machine {
 }
 
 /// What is known of it before any recording.
-fn believed() -> Machine {
+pub fn believed() -> Machine {
     machine_from_toml(GENERIC).expect("the file is right")
 }
 
@@ -48,12 +48,12 @@ fn some_rows(axis: char, count: u32) -> String {
     )
 }
 
-fn traced(program: &str) -> Toolpath {
+pub fn traced(program: &str) -> Toolpath {
     trace(&read(program.as_bytes()), &believed())
 }
 
 /// The program as a machine runs it, every 4 ms, aligned.
-fn recorded(toolpath: &Toolpath, machine: &Machine) -> Alignment {
+pub fn recorded(toolpath: &Toolpath, machine: &Machine) -> Alignment {
     recorded_by_clock(toolpath, machine, 1.0)
 }
 
@@ -72,7 +72,7 @@ fn recorded_by_clock(toolpath: &Toolpath, machine: &Machine, rate: f64) -> Align
     align(&log.recordings[0], toolpath, &believed()).expect("it is of this program")
 }
 
-fn run<'a>(toolpath: &'a Toolpath, alignment: &'a Alignment) -> Run<'a> {
+pub fn run<'a>(toolpath: &'a Toolpath, alignment: &'a Alignment) -> Run<'a> {
     Run { toolpath, alignment, overrides: (None, None) }
 }
 

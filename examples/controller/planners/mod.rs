@@ -1,6 +1,7 @@
 //! The planners of four controls, which need no recorder. They follow the manuals and sources of grbl, Klipper, Marlin and
 //! TinyG and share no code with the predictor. `tests.rs` compares the first two with recordings of the real software.
-//! Marlin and TinyG asked what Truefeed says of a control that it does not know, until their laws became members of its families.
+//! Marlin and TinyG were written to see how Truefeed judges a control whose law it does not have; both laws are among its
+//! families now.
 //!
 //! All plan straight blocks with ramps along the path. A program becomes [`Item`]s, these become
 //! [`Piece`]s of constant acceleration, and those are sampled.

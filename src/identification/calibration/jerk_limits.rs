@@ -29,7 +29,7 @@ const ACCELERATION_BEYOND_RAMPS_MM_S2: f64 = 1e4;
 /// Jerks that are tried where ramps hold none, mm/s³: a ramp by one lasts 1.4 times as long as by the next.
 const START_JERKS_MM_S3: [f64; 10] = [1e3, 2e3, 4e3, 8e3, 16e3, 32e3, 64e3, 128e3, 256e3, 512e3];
 /// Ratio of the simulated to the recorded time above which a jerk is not tried: it would be too low, and take long to compute.
-const MAX_LENGTHENING: f64 = 2.0;
+const MAX_TIME_RATIO: f64 = 2.0;
 /// Golden sections between two of these jerks, which leave a hundredth of a jerk.
 const SECTIONS_OF_JERK: usize = 9;
 /// Factors for the distance between arcs and their chords: 0.002, 0.01 and 0.05 mm with grbl's default.
@@ -59,16 +59,15 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
         // Each chord has its own ramps.
         nearest(START_CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)).to_vec())
     };
-    let of_ramps = match plans_by_deviation(machine) {
-        true => held.or_else(|| Some([jerk_of_shape(machine, &beyond, runs)?; 3])),
-        false => None,
-    };
+    let of_shape = || plans_by_deviation(machine).then(|| jerk_of_shape(machine, &beyond, runs)).flatten();
     let idle = with_junctions(&beyond);
-    let idle = match of_ramps {
-        Some(_) => {
-            let with_chords =
-                |of: Machine| START_CHORD_ERROR_RATIOS.map(|ratio| of.with_scaled_chords(ratio));
-            nearest(idle.iter().flat_map(|of| at_jerks(of, of_ramps)).flat_map(with_chords).collect())
+    let idle = match held.or_else(|| Some([of_shape()?; 3])) {
+        Some(jerks) => {
+            let with_chords = |of: &Machine| {
+                let ramps = with_jerks(of, jerks);
+                START_CHORD_ERROR_RATIOS.map(|ratio| ramps.with_scaled_chords(ratio))
+            };
+            nearest(idle.iter().flat_map(with_chords).collect())
         }
         None => near(&idle),
     };
@@ -79,10 +78,10 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
 /// recorded one, mm/s³; `None` if the runs show no ramps. `fitted` is the planner of trapezoids that takes the recorded time.
 fn jerk_of_shape(fitted: &Machine, beyond: &Machine, runs: &[Run]) -> Option<f64> {
     let lasts = |machine: &Machine| runs.iter().map(|run| run.plan(machine).cycle_time()).sum::<f64>();
-    let longest = MAX_LENGTHENING * lasts(fitted);
+    let longest = MAX_TIME_RATIO * lasts(fitted);
     let misfit = |jerk: f64| {
-        let ramps = &at_jerks(beyond, Some([jerk; 3]))[0];
-        let misfit = (lasts(ramps) < longest).then(|| ramp_misfit(ramps, runs).of_path);
+        let ramps = with_jerks(beyond, [jerk; 3]);
+        let misfit = (lasts(&ramps) < longest).then(|| ramp_misfit(&ramps, runs).of_path);
         misfit.flatten().unwrap_or(f64::INFINITY)
     };
     let misfits = START_JERKS_MM_S3.map(misfit);
@@ -98,18 +97,20 @@ fn jerk_of_shape(fitted: &Machine, beyond: &Machine, runs: &[Run]) -> Option<f64
 
 /// Returns a planner with the jerks that its axes hold (mm/s³) or, without them, with each jerk from which a fit begins.
 fn at_jerks(planner: &Machine, held: Option<[f64; 3]>) -> Vec<Machine> {
-    let at = |jerks: [f64; 3]| {
-        let mut planner = planner.clone();
-        match plans_by_deviation(&planner) {
-            true => planner.axes.iter_mut().zip(jerks).for_each(|(axis, jerk)| axis.jerk = jerk),
-            false => planner.path.jerk = jerks[0],
-        }
-        planner
-    };
     match held {
-        Some(jerks) => vec![at(jerks)],
-        None => START_JERKS_MM_S3.iter().map(|jerk| at([*jerk; 3])).collect(),
+        Some(jerks) => vec![with_jerks(planner, jerks)],
+        None => START_JERKS_MM_S3.iter().map(|jerk| with_jerks(planner, [*jerk; 3])).collect(),
     }
+}
+
+/// Returns a planner with jerk limits of its axes (mm/s³), or with the first of them along the path.
+fn with_jerks(planner: &Machine, jerks: [f64; 3]) -> Machine {
+    let mut planner = planner.clone();
+    match plans_by_deviation(&planner) {
+        true => planner.axes.iter_mut().zip(jerks).for_each(|(axis, jerk)| axis.jerk = jerk),
+        false => planner.path.jerk = jerks[0],
+    }
+    planner
 }
 
 #[cfg(test)]

@@ -95,7 +95,7 @@ impl Fitting<'_> {
         }
         // Quintic ramps look like ramps of constant jerk, so their times decide.
         let is_right =
-            |planner: &Model| self.has_its_ramps(planner) && planner.best.cost < MIN_CONTRADICTING_COST;
+            |planner: &Model| planner.best.cost < MIN_CONTRADICTING_COST && self.has_its_ramps(planner);
         let mut has_right_law = others.iter().any(is_right);
         let mut limited = Vec::new();
         for planner in others {
@@ -128,9 +128,9 @@ impl Fitting<'_> {
             let limited = self.planner(start);
             if self.is_nearer(&limited, &nearest) {
                 nearest = limited;
-            }
-            if self.has_its_ramps(&nearest) {
-                break;
+                if self.has_its_ramps(&nearest) {
+                    break;
+                }
             }
         }
         nearest

@@ -48,8 +48,8 @@ const MAX_DIFFERENCE_SHARE_ELSEWHERE: f64 = 0.1;
 /// Largest difference of their costs, as a part of the gain of the better one, that feedrates which are closer with the
 /// other outweigh.
 const MAX_CONTRADICTED_SHARE: f64 = 0.1;
-/// Least ratio of the gain of a feed hold to that of a wait at the same place, on a control that blends corners: the simulated hold
-/// brakes too hard there.
+/// Least gain of a feed hold, as a part of the gain of a wait at the same place, at which the runs cannot separate them on a
+/// control that blends corners. Such a control brakes less hard than the simulated hold.
 const MIN_HOLD_GAIN_SHARE: f64 = 0.5;
 /// Largest difference, as a ratio, between a setting and the believed one at which the setting counts as unchanged.
 /// Overrides and the clock ratio need no such range: their believed value is exactly 1.

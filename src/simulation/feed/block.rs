@@ -19,15 +19,7 @@
 //!    corner that becomes faster never makes the block slower; shrinking both holds in proportion would,
 //!    because a faster corner's shorter hold leaves more of the block to the slower one.
 //!
-//! The ramps of a control may be curves of fifth order instead, which take as long and begin and end without acceleration:
-//! from v, a step of Δv is done to the part 10 τ³ − 15 τ⁴ + 6 τ⁵ after the part τ of the time. The curve is symmetric about
-//! its middle, so the length is the same. It becomes linear pieces, whose ends lie on it.
-//!
-//! Source of the curve: Marlin, stepper.cpp (`S_CURVE_ACCELERATION`). Limits: |c1² − c2²| ≤ 2 A L, which the look-ahead
-//! ensures.
-
-/// Number of linear pieces that make a ramp of fifth order.
-const PIECES_OF_QUINTIC: usize = 16;
+//! Limits: |c1² − c2²| ≤ 2 A L, which the look-ahead ensures.
 
 /// One end of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,16 +76,6 @@ pub fn parts(
         ramp(peak, last.feedrate),
         (last_hold, last.feedrate, last.feedrate),
     ]
-}
-
-/// Returns the linear pieces of a part whose ramps are curves of fifth order.
-pub fn quintic((duration, from, to): BlockPart) -> impl Iterator<Item = BlockPart> {
-    let count = if from == to { 1 } else { PIECES_OF_QUINTIC };
-    let at = move |piece: usize| {
-        let part = piece as f64 / count as f64;
-        from + (to - from) * part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part)
-    };
-    (0..count).map(move |piece| (duration / count as f64, at(piece), at(piece + 1)))
 }
 
 #[cfg(test)]
@@ -166,20 +148,6 @@ mod tests {
             let (one, other) = (block(length, f, a, h, c1, c2), block(length, f, a, h, c2, c1));
             assert!((time(&one) - time(&other)).abs() <= 1e-14 * time(&one));
         });
-    }
-
-    /// The steepest piece is in the middle, where the derivative of the curve is 15/8.
-    #[test]
-    fn quintic_ramps_keep_time_and_length_and_begin_gently() {
-        for (from, to) in [(5.0, 60.0), (60.0, 5.0), (60.0, 60.0)] {
-            let pieces: Vec<BlockPart> = quintic((0.4, from, to)).collect();
-            assert!((time(&pieces) - 0.4).abs() < 1e-12);
-            assert!((area(&pieces) - 0.4 * 0.5 * (from + to)).abs() < 1e-12);
-            let slope = |(time, a, b): &BlockPart| (b - a) / time * 0.4;
-            let steepest = pieces.iter().map(|piece| slope(piece).abs()).fold(0.0, f64::max);
-            assert!((steepest / (to - from).abs().max(1e-9) - 1.875).abs() < 0.02 || from == to);
-            assert!(slope(&pieces[0]).abs() <= 0.05 * (to - from).abs());
-        }
     }
 
     #[test]

@@ -113,11 +113,12 @@ impl CornerTurn {
     }
 }
 
-/// Returns the step of velocity of any axis with which motions begin and end at a rest, mm/s; 0 if there is none.
-pub fn step_at_rest(machine: &Machine) -> f64 {
+/// Returns the step of velocity of any axis with which motions begin and end at a rest, mm/s; `None` if they
+/// begin and end at 0.
+pub fn step_at_rest(machine: &Machine) -> Option<f64> {
     match machine.interpolator.junction {
-        Junction::AxisStep(velocity) if !machine.has_filters() => velocity,
-        _ => 0.0,
+        Junction::AxisStep(velocity) if !machine.has_filters() => Some(velocity),
+        _ => None,
     }
 }
 

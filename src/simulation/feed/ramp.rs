@@ -1,4 +1,4 @@
-//! Changes of the commanded feedrate with constant jerk: ramps that grow with the step.
+//! Curved changes of the commanded feedrate: with constant jerk, and of fifth order.
 //!
 //! ```text
 //!  T = 2 √(Δv/J)           while Δv J ≤ A²,
@@ -11,6 +11,10 @@
 //! F. The filters smooth the rest, so that corners keep their tolerance. A ramp becomes [`PIECES_PER_RAMP`]
 //! linear pieces, without filters [`PIECES_WITHOUT_FILTERS`]. Their ends lie on the curve, which is symmetric about its
 //! middle, so that the area is exact.
+//!
+//! Ramps of constant acceleration may run on a curve of fifth order instead, which takes as long and begins and ends without
+//! acceleration: after the part τ of the time the part 10 τ³ − 15 τ⁴ + 6 τ⁵ of the step is done. It is symmetric, too. Source:
+//! Marlin, stepper.cpp (`S_CURVE_ACCELERATION`).
 //!
 //! Source: textbooks on jerk-limited motion; examples are SOFT of Siemens and Heidenhain's law of the jerk
 //! alone. On two recorded mills rapids and feed moves both follow T = 2 √(Δv/J). Limits: the law describes a
@@ -110,14 +114,10 @@ impl Ramp {
         (duration, from, to): BlockPart,
         has_filters: bool,
     ) -> impl Iterator<Item = BlockPart> {
-        let of_ramp = if has_filters { PIECES_PER_RAMP } else { PIECES_WITHOUT_FILTERS };
-        let count = if from == to { 1 } else { of_ramp };
-        let at = move |k: usize| match k {
-            0 => from,
-            _ if k == count => to,
-            _ => self.along(from, to, duration * k as f64 / count as f64, duration),
-        };
-        (0..count).map(move |k| (duration / count as f64, at(k), at(k + 1)))
+        let count = if has_filters { PIECES_PER_RAMP } else { PIECES_WITHOUT_FILTERS };
+        let along =
+            move |piece: usize| self.along(from, to, duration * piece as f64 / count as f64, duration);
+        pieces_on_curve((duration, from, to), count, along)
     }
 
     /// Returns the feedrate at a time within a ramp, mm/s.
@@ -133,6 +133,31 @@ impl Ramp {
         };
         from + (to - from).signum() * covered
     }
+}
+
+/// Returns the linear pieces of a part whose ramps are curves of fifth order.
+pub fn quintic((duration, from, to): BlockPart) -> impl Iterator<Item = BlockPart> {
+    let along = move |piece: usize| {
+        let part = piece as f64 / PIECES_WITHOUT_FILTERS as f64;
+        from + (to - from) * part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part)
+    };
+    pieces_on_curve((duration, from, to), PIECES_WITHOUT_FILTERS, along)
+}
+
+/// Returns `count` linear pieces of a part, one if the feedrate does not change; `along` returns the feedrate at the beginning
+/// of each piece but the first, mm/s.
+fn pieces_on_curve(
+    (duration, from, to): BlockPart,
+    count: usize,
+    along: impl Fn(usize) -> f64,
+) -> impl Iterator<Item = BlockPart> {
+    let count = if from == to { 1 } else { count };
+    let at = move |piece: usize| match piece {
+        0 => from,
+        _ if piece == count => to,
+        _ => along(piece),
+    };
+    (0..count).map(move |piece| (duration / count as f64, at(piece), at(piece + 1)))
 }
 
 /// Returns the largest value between `low` and `high` at which an excess is not positive, by Newton steps within the
@@ -234,6 +259,22 @@ mod tests {
             furthest
         };
         assert!((furthest(true) / furthest(false) - (16.0_f64 / 6.0).powi(2)).abs() < 1e-6);
+    }
+
+    /// The steepest piece is in the middle, where the derivative of the curve is 15/8.
+    #[test]
+    fn quintic_ramps_keep_time_and_length_and_begin_gently() {
+        for (from, to) in [(5.0, 60.0), (60.0, 5.0), (60.0, 60.0)] {
+            let pieces: Vec<BlockPart> = quintic((0.4, from, to)).collect();
+            let time: f64 = pieces.iter().map(|piece| piece.0).sum();
+            let area: f64 = pieces.iter().map(|(time, a, b)| 0.5 * time * (a + b)).sum();
+            assert!((time - 0.4).abs() < 1e-12);
+            assert!((area - 0.4 * 0.5 * (from + to)).abs() < 1e-12);
+            let slope = |(time, a, b): &BlockPart| (b - a) / time * 0.4;
+            let steepest = pieces.iter().map(|piece| slope(piece).abs()).fold(0.0, f64::max);
+            assert!((steepest / (to - from).abs().max(1e-9) - 1.875).abs() < 0.02 || from == to);
+            assert!(slope(&pieces[0]).abs() <= 0.05 * (to - from).abs());
+        }
     }
 
     #[test]

@@ -99,10 +99,7 @@ impl MotionPlanner<'_> {
 
     /// Returns the feedrate at which a segment can begin at a rest, or, with `end` 1, end at one, mm/s.
     fn at_rest(&self, i: usize, end: usize) -> f64 {
-        match junction::step_at_rest(self.machine) {
-            0.0 => 0.0,
-            step => step / self.tangents(i)[end].amax(),
-        }
+        junction::step_at_rest(self.machine).map_or(0.0, |step| step / self.tangents(i)[end].amax())
     }
 
     /// Lowers the corners (mm/s) as [`MotionPlanner::see_ahead`] does for a planner of ramps with constant jerk,

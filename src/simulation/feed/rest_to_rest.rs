@@ -26,7 +26,7 @@ use crate::simulation::feed::corner_curve::CornerCurve;
 use crate::simulation::feed::halts::HaltSchedule;
 use crate::simulation::feed::junction::{self, CornerTurn};
 use crate::simulation::feed::parabola;
-use crate::simulation::feed::ramp::Ramp;
+use crate::simulation::feed::ramp::{self, Ramp};
 use crate::simulation::feed::smoothing;
 use crate::simulation::feed::step_segments::StepTimer;
 use crate::simulation::feed::{
@@ -547,7 +547,7 @@ impl MotionPlanner<'_> {
             None => {
                 let parts = block::parts(length, feedrate, self.acceleration(i), ends[0], ends[1]);
                 match self.machine.interpolator.quintic_ramps {
-                    true => run(parts.into_iter().flat_map(block::quintic), timer, add),
+                    true => run(parts.into_iter().flat_map(ramp::quintic), timer, add),
                     false => run(parts, timer, add),
                 }
             }
