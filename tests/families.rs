@@ -46,6 +46,15 @@ fn star() -> String {
     format!("G21 G90\nG0 X0 Y0 Z0 F5400\n{}M30\n", (0..12).map(turn).collect::<String>())
 }
 
+/// Circles that are too tight for the programmed feedrate, with a corner before and after each short line.
+fn trochoid() -> String {
+    let circle = |at: u32| format!("G1 X{:.3}\nG3 Y7 J3.5\nG3 Y0 J-3.5\n", 0.542 * f64::from(at));
+    format!(
+        "G21 G90\nG0 X0 Y0 Z1 F7080\nG1 Z-2 F300\nF4150\n{}G0 Z6 F7080\nM30\n",
+        (1..=30).map(circle).collect::<String>()
+    )
+}
+
 /// Calibrates the machine of which only the least is known on a program that `truth` runs.
 fn calibrated(program: &str, truth: &Machine) -> Machine {
     let toolpath = traced(program);
@@ -145,4 +154,18 @@ fn a_short_block_beside_a_rest_keeps_its_length() {
             assert!((length - segment.length).abs() < 1e-9, "{program}: {length} mm");
         }
     }
+}
+
+/// The joints of chords are corners too, and could limit arcs if the acceleration were higher.
+#[test]
+fn arcs_do_not_hide_the_acceleration_and_corners_of_a_planner_with_square_corners() {
+    let mut truth = believed();
+    truth.become_planner(Planner::SquareCorner, 670.0);
+    truth.interpolator.junction = Junction::SquareCorner(3.849);
+    let found = calibrated(&trochoid(), &truth);
+    let Junction::SquareCorner(velocity) = found.interpolator.junction else {
+        panic!("{:?}", found.interpolator.junction)
+    };
+    assert!((velocity / 3.849 - 1.0).abs() < 0.02, "{velocity} mm/s");
+    assert!((found.path.acceleration / 670.0 - 1.0).abs() < 0.01, "{} mm/s²", found.path.acceleration);
 }

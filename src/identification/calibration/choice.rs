@@ -37,8 +37,8 @@ pub struct Fitting<'a> {
     /// The waits to be fitted, each with its value before the calibration.
     waits: Vec<(FreeParameter, f64)>,
     pub plateaus: Option<RapidPlateaus>,
-    /// The accelerations that ramps hold.
-    pub held: Option<HeldAccelerations>,
+    /// The accelerations that the runs hold.
+    pub held: HeldAccelerations,
     pub share: Share<'a>,
 }
 

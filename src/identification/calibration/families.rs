@@ -49,7 +49,7 @@ struct Guessing<'a> {
     runs: &'a [Run<'a>],
     whitenings: &'a [Whitening],
     plateaus: Option<RapidPlateaus>,
-    held: Option<HeldAccelerations>,
+    held: HeldAccelerations,
 }
 
 /// Returns the machines of each family that are nearest to the runs, before any fit; of the rarest one, with steps of axis
@@ -61,7 +61,7 @@ pub fn guesses(
     fitted: &Machine,
     runs: &[Run],
     whitenings: &[Whitening],
-    (plateaus, held): (Option<RapidPlateaus>, Option<HeldAccelerations>),
+    (plateaus, held): (Option<RapidPlateaus>, HeldAccelerations),
 ) -> Vec<Machine> {
     let mut plain = fitted.clone();
     plain.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
@@ -94,7 +94,7 @@ impl Guessing<'_> {
                 by_ramps.and_then(|of| self.nearest(with_circles(&of))).into_iter().collect()
             }
             _ => {
-                // A fit from the accelerations that ramps hold mostly leaves nothing that the others could explain.
+                // A fit from the accelerations that the runs hold mostly leaves nothing that the others could explain.
                 let at_held = self.nearest(at_held.iter().flat_map(with_junctions));
                 let by_ramps = self.nearest(by_grid.cloned());
                 let near = by_ramps.into_iter().flat_map(|of| self.nearest_with_corners(&grid, &of));
@@ -107,12 +107,10 @@ impl Guessing<'_> {
         }
     }
 
-    /// Returns a family with the accelerations that ramps hold, one machine for each way of rapids; none if they hold none.
+    /// Returns a family with the accelerations that the runs hold, one machine for each way of rapids; none if they hold none.
     fn at_held(&self, candidate: CandidateFamily) -> Vec<Machine> {
-        let of = |held: HeldAccelerations| {
-            self.with_ways_of_rapids(candidate, held.of_planner(candidate.planner, self.fitted))
-        };
-        self.held.map(of).unwrap_or_default()
+        let held = self.held.of_planner(candidate.planner, self.fitted);
+        held.into_iter().flat_map(|of| self.with_ways_of_rapids(candidate, of)).collect()
     }
 
     /// Returns a planner of a family that has its accelerations with all that distinguishes the family, one machine for each
@@ -145,7 +143,7 @@ impl Guessing<'_> {
         let cost_of = |tried: &[Option<(f64, Machine)>], index: usize| {
             tried[index].as_ref().map_or(f64::INFINITY, |(cost, _)| *cost)
         };
-        if self.held.is_none() {
+        if !self.held.shows_ramps() {
             tried = (0..grid.len()).map(nearest_at).collect();
             let mut by_cost: Vec<usize> = (0..grid.len()).collect();
             sort_by_number(&mut by_cost, |index| cost_of(&tried, *index));
@@ -388,7 +386,14 @@ mod tests {
             PLANNER_ACCELERATION.guesses.iter().map(|of| vec![square_corner(*of)]).collect();
         let machine = &truth;
         let (fitted, whitenings) = (machine, &whitenings);
-        let guessing = Guessing { machine, fitted, runs: &runs, whitenings, plateaus: None, held: None };
+        let guessing = Guessing {
+            machine,
+            fitted,
+            runs: &runs,
+            whitenings,
+            plateaus: None,
+            held: HeldAccelerations::default(),
+        };
         for from in [&grid[0][0], &grid[9][0]] {
             let found = guessing.nearest_with_corners(&grid, from);
             let accelerations = found.iter().map(|machine| machine.path.acceleration).collect::<Vec<_>>();

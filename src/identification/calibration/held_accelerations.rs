@@ -1,4 +1,4 @@
-//! The acceleration that the ramps of a recording hold.
+//! The accelerations that the ramps and the arcs of a recording hold.
 //!
 //! A planner that is limited in acceleration ramps at A (mm/s²), so that its velocity changes by A T from each of three
 //! successive windows of T (s) to the next. If a distance may be off by e (mm), A may be off by 2 e / T². A ramp counts
@@ -6,24 +6,38 @@
 //! [`MAX_DIFFERENCE_RATIO`] of A. If each axis has a limit, A is the limit of the axis that moves furthest. The median of all of them is a start for a fit, near enough to its minimum to distinguish the values of a junction
 //! law: a start from a wrong acceleration ends in a minimum where fast corners make up for flat ramps.
 //!
+//! On an arc of radius r (mm) that is too tight for the programmed feedrate, Klipper keeps the velocity √(A r), because the
+//! circle that touches two chords in their middles is the arc. The median of v² / r is a start, too: a fit from a larger
+//! acceleration ends in a minimum where the law of corners limits the joints of chords.
+//!
 //! Limits: ramps shorter than three samples show no acceleration, nor does noise in fast sampling.
 
 use crate::identification::alignment::{Track, median};
 use crate::identification::calibration::rapid_moves::turns;
 use crate::identification::calibration::rapids::largest_error;
 use crate::identification::fit::Run;
+use crate::identification::measured::centripetal_accelerations;
 use crate::machine::{Machine, Planner};
 
 /// Windows that are tried, samples.
 const WINDOWS: [usize; 5] = [1, 2, 4, 8, 16];
 /// Largest difference of the accelerations of a ramp, and their largest error, as a part of them.
 const MAX_DIFFERENCE_RATIO: f64 = 0.05;
-/// Least number of ramps, or of parts of them, that show an acceleration.
-const MIN_RAMPS: usize = 10;
+/// Least number of ramps, or of parts of them, or of arcs that show an acceleration.
+const MIN_PLACES: usize = 10;
+
+/// The accelerations that a recording holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HeldAccelerations {
+    /// `None` if too few ramps show them.
+    ramps: Option<RampAccelerations>,
+    /// Centripetal acceleration on arcs that are slower than programmed, mm/s²; `None` if there are too few.
+    arcs: Option<f64>,
+}
 
 /// The accelerations that ramps hold, mm/s².
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeldAccelerations {
+struct RampAccelerations {
     /// Acceleration along the path where Z does not move furthest, or else where it does.
     along_path: f64,
     /// Acceleration of each axis where it moves furthest; `None` if too few ramps show it.
@@ -42,34 +56,56 @@ struct RampPart {
 }
 
 impl HeldAccelerations {
-    /// Returns the accelerations that the ramps of runs hold; `None` if they show none.
-    pub fn of(runs: &[Run]) -> Option<HeldAccelerations> {
+    /// Returns the accelerations that runs hold.
+    pub fn of(runs: &[Run]) -> HeldAccelerations {
         let tracks = runs.iter().filter_map(|run| run.alignment.track.as_ref());
-        HeldAccelerations::of_ramps(&tracks.flat_map(|track| ramps(track)).collect::<Vec<RampPart>>())
+        let ramps: Vec<RampPart> = tracks.flat_map(|track| ramps(track)).collect();
+        let of_arcs = runs.iter().flat_map(centripetal_accelerations).collect();
+        HeldAccelerations { ramps: RampAccelerations::of(&ramps), arcs: median_of_enough(of_arcs) }
     }
 
-    fn of_ramps(ramps: &[RampPart]) -> Option<HeldAccelerations> {
-        let held = |mut all: Vec<f64>| (MIN_RAMPS <= all.len()).then(|| median(&mut all));
+    /// Returns `true` if ramps hold an acceleration.
+    pub fn shows_ramps(&self) -> bool {
+        self.ramps.is_some()
+    }
+
+    /// Returns the machine as planners of a family with the accelerations that ramps hold and, in Klipper's family, that arcs
+    /// hold, unless its limits are lower.
+    pub fn of_planner(&self, planner: Planner, machine: &Machine) -> Vec<Machine> {
+        let keeps_centripetal = planner == Planner::SquareCorner;
+        let arcs = self.arcs.filter(|_| keeps_centripetal);
+        let arcs = arcs.map(|along_path| RampAccelerations { along_path, axes: [None; 3] });
+        self.ramps.into_iter().chain(arcs).map(|held| held.of_planner(planner, machine)).collect()
+    }
+}
+
+impl RampAccelerations {
+    fn of(ramps: &[RampPart]) -> Option<RampAccelerations> {
         let axes = [0, 1, 2].map(|axis| {
             let of_axis = ramps.iter().filter(|ramp| ramp.axis == axis);
-            held(of_axis.map(|ramp| ramp.along_path * ramp.share).collect())
+            median_of_enough(of_axis.map(|ramp| ramp.along_path * ramp.share).collect())
         });
         let along = |is_of_z: bool| {
             let of_axes = ramps.iter().filter(|ramp| (ramp.axis == 2) == is_of_z);
-            held(of_axes.map(|ramp| ramp.along_path).collect())
+            median_of_enough(of_axes.map(|ramp| ramp.along_path).collect())
         };
         let along_path = along(false).or_else(|| along(true))?;
-        Some(HeldAccelerations { along_path, axes })
+        Some(RampAccelerations { along_path, axes })
     }
 
     /// Returns the machine as a planner of a family with these accelerations, unless its limits are lower.
-    pub fn of_planner(&self, planner: Planner, machine: &Machine) -> Machine {
+    fn of_planner(&self, planner: Planner, machine: &Machine) -> Machine {
         let mut of = machine.clone();
         of.become_planner(planner, f64::INFINITY);
         let of_axes = self.axes.map(|held| held.unwrap_or(self.along_path));
         of.limit_accelerations(planner, self.along_path, of_axes);
         of
     }
+}
+
+/// Returns the median of accelerations; `None` if there are too few.
+fn median_of_enough(mut accelerations: Vec<f64>) -> Option<f64> {
+    (MIN_PLACES <= accelerations.len()).then(|| median(&mut accelerations))
 }
 
 /// Returns the accelerations of the ramps of a track.
@@ -136,8 +172,8 @@ mod tests {
     }
 
     /// Returns the accelerations of a track.
-    fn held(track: &Track) -> Option<HeldAccelerations> {
-        HeldAccelerations::of_ramps(&ramps(track))
+    fn held(track: &Track) -> Option<RampAccelerations> {
+        RampAccelerations::of(&ramps(track))
     }
 
     #[test]
@@ -163,12 +199,23 @@ mod tests {
 
     #[test]
     fn a_family_has_them_unless_its_limits_are_lower() {
-        let held = HeldAccelerations { along_path: 980.0, axes: [Some(900.0), None, Some(300.0)] };
+        let held = RampAccelerations { along_path: 980.0, axes: [Some(900.0), None, Some(300.0)] };
         let mut machine = Machine::default();
         machine.axes[0].acceleration = 500.0;
         let grbl = held.of_planner(Planner::JunctionDeviation, &machine);
         assert_eq!(grbl.axes.map(|axis| axis.acceleration), [500.0, 980.0, 300.0]);
         let klipper = held.of_planner(Planner::SquareCorner, &machine);
         assert_eq!((klipper.path.acceleration, klipper.axes[2].acceleration), (980.0, 300.0));
+    }
+
+    #[test]
+    fn planners_with_square_corners_have_that_of_arcs_too() {
+        let held = HeldAccelerations { ramps: None, arcs: Some(670.0) };
+        assert!(!held.shows_ramps());
+        let [start] = &held.of_planner(Planner::SquareCorner, &Machine::default())[..] else {
+            panic!("{held:?}")
+        };
+        assert_eq!(start.path.acceleration, 670.0);
+        assert!(held.of_planner(Planner::JunctionDeviation, &Machine::default()).is_empty());
     }
 }

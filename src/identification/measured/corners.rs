@@ -1,6 +1,7 @@
 //! Corners and arcs: the feedrate at which the tool passed them, and its limit: their law or the programmed
 //! feedrate.
 
+use crate::identification::fit::Run;
 use crate::identification::measured::events::{LawEvent, LawEvents};
 use crate::identification::measured::run_course::{MIN_REACHED_RATIO, RunCourse, SteadyPlateau};
 use crate::simulation::toolpath::{Curve, Motion};
@@ -59,6 +60,14 @@ pub fn arcs(course: &RunCourse) -> LawEvents {
             .push(LawEvent::new("", radius, feedrate, segment).at_feed(MIN_REACHED_RATIO * told <= feedrate));
     }
     found
+}
+
+/// Returns the centripetal acceleration on each arc of a run that is slower than programmed, mm/s²; none without recorded
+/// positions.
+pub fn centripetal_accelerations(run: &Run) -> Vec<f64> {
+    let events = RunCourse::of(run).map(|course| arcs(&course).events).unwrap_or_default();
+    let slower = events.into_iter().filter(|arc| !arc.is_at_feed);
+    slower.map(|arc| arc.value.powi(2) / arc.over).collect()
 }
 
 /// Returns the feedrate of a plateau along an arc of `radius` (mm), mm/s; windows measure it along chords.

@@ -44,6 +44,7 @@ mod ramps;
 mod simulated;
 mod waits;
 
+pub use corners::centripetal_accelerations;
 pub use curve::{CurveLevel, LawPoint};
 pub use events::{Absence, LawEvent, LawKind};
 pub use program_left_out::calibrated_on;
