@@ -14,7 +14,8 @@ use crate::identification::diagnosis::evidence::Evidence;
 use crate::identification::diagnosis::gates::MIN_COST_REDUCTION;
 use crate::identification::diagnosis::rests::{Rest, rests};
 use crate::identification::effects::{
-    FEED_OVERRIDE, FROM_DISTANCE, FROM_LINE, Hypothesis, RATIO, TO_DISTANCE, TO_LINE, parameters,
+    FEED_OVERRIDE, FEED_OVERRIDE_DEVIATION_RATIO, FROM_DISTANCE, FROM_LINE, Hypothesis, RATIO, TO_DISTANCE,
+    TO_LINE, free_feed_override,
 };
 use crate::identification::fit::{Run, golden_section};
 use crate::machine::{Machine, Overrides};
@@ -109,13 +110,19 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     if found < (WORTH_A_RANGE * whole).max(whole + MIN_COST_REDUCTION + by_chance) {
         return None;
     }
-    Some(overridden_between(run, ratio, span.as_shown(run, &distances), &distances))
+    Some(overridden_between(machine, run, ratio, span.as_shown(run, &distances), &distances))
 }
 
 /// Returns the hypothesis that an override with this ratio acts along a span; `distances` are those of the toolpath, mm.
-fn overridden_between(run: &Run, ratio: f64, span: OverrideSpan, distances: &[f64]) -> Hypothesis {
+fn overridden_between(
+    machine: &Machine,
+    run: &Run,
+    ratio: f64,
+    span: OverrideSpan,
+    distances: &[f64],
+) -> Hypothesis {
     let of_path = span.of_path();
-    let freed = parameters::FEED_OVERRIDE.tried().also(move |machine| machine.overrides.span = of_path);
+    let freed = free_feed_override(machine).also(move |machine| machine.overrides.span = of_path);
     let line_of = |distance: f64| f64::from(line_at(run, distance, distances));
     let edges = [(span.from, FROM_DISTANCE, FROM_LINE), (span.to, TO_DISTANCE, TO_LINE)];
     let known = edges.into_iter().filter_map(|(edge, distance, line)| {
@@ -233,9 +240,11 @@ fn overridden(machine: &Machine, ratio: f64, span: (f64, f64)) -> Machine {
     machine
 }
 
-/// Returns the override ratio of least cost near a guess.
+/// Returns the override ratio of least cost near a guess. Where other limits hold, a larger ratio changes nothing; of ratios
+/// that cost the same, the one nearest to that of the machine is returned.
 fn best_ratio(machine: &Machine, evidence: &Evidence, guess: f64, span: (f64, f64)) -> f64 {
-    let cost = |ratio: f64| evidence.cost(&overridden(machine, ratio, span));
+    let turned = |ratio: f64| (ratio - machine.overrides.feed) / FEED_OVERRIDE_DEVIATION_RATIO;
+    let cost = |ratio: f64| evidence.cost(&overridden(machine, ratio, span)) + turned(ratio).powi(2);
     let (low, high) = golden_section((0.85 * guess, 1.18 * guess), RATIO_SECTIONS, cost);
     0.5 * (low + high)
 }
@@ -277,6 +286,19 @@ mod tests {
     fn an_override_on_some_lines_is_found_where_most_marks_are_exact() {
         let found = range_found(|machine| overridden(machine, 0.53, (250.0, 300.0)));
         assert!(found.is_some());
+    }
+
+    /// The axis limit holds from a ratio of 1.5 on.
+    #[test]
+    fn of_overrides_that_change_nothing_more_the_least_is_found() {
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::JunctionDeviation, 1990.0);
+        machine.axes[2].velocity = 1.5 * 210.0 / 60.0;
+        let span = (100.0, 300.0);
+        let (toolpath, alignment) = recorded(&drilling(), &overridden(&machine, 1.9, span), 1e-4);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let found = best_ratio(&machine, &Evidence::of(&runs, &machine), 1.6, span);
+        assert!((found / 1.5 - 1.0).abs() < 0.01, "{found}");
     }
 
     #[test]

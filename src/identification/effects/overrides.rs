@@ -3,6 +3,8 @@
 use crate::identification::effects::effect::{Context, Effect, Hypothesis};
 use crate::identification::effects::parameters;
 use crate::identification::effects::report::{Quantity, RATIO, Reported};
+use crate::identification::fit::FreeParameter;
+use crate::machine::Machine;
 
 fn ratio(value: f64) -> Vec<(Quantity, Reported)> {
     vec![RATIO.number(value)]
@@ -11,10 +13,19 @@ fn ratio(value: f64) -> Vec<(Quantity, Reported)> {
 /// Largest rapid override of a control, as a ratio: panels end at 100 %.
 const MAX_RAPID_OVERRIDE_RATIO: f64 = 1.0;
 
+/// Standard deviation of a feed override that a hypothesis expects, as a ratio: so large that it outweighs no observation.
+pub const FEED_OVERRIDE_DEVIATION_RATIO: f64 = 10.0;
+
 pub fn feed(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let parts = [0.2, 0.4, 0.6, 0.75, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 1.25, 1.5];
     let trials = parts.map(|part| part * context.machine.overrides.feed).to_vec();
-    vec![Hypothesis::single(effect, parameters::FEED_OVERRIDE.tried(), trials, ratio)]
+    vec![Hypothesis::single(effect, free_feed_override(context.machine), trials, ratio)]
+}
+
+/// Returns the free feed override of a hypothesis. Where other limits hold, a larger override changes nothing; of those that
+/// explain as much, the one nearest to that of the machine is found.
+pub fn free_feed_override(machine: &Machine) -> FreeParameter {
+    parameters::FEED_OVERRIDE.tried().expected(machine.overrides.feed, FEED_OVERRIDE_DEVIATION_RATIO)
 }
 
 pub fn rapid(effect: Effect, context: &Context) -> Vec<Hypothesis> {
@@ -38,7 +49,6 @@ pub fn recorder_clock(effect: Effect, _: &Context) -> Vec<Hypothesis> {
 mod tests {
     use super::*;
     use crate::identification::effects::table::RAPID_OVERRIDE;
-    use crate::machine::Machine;
 
     #[test]
     fn rapids_are_overridden_downwards_only() {
