@@ -156,14 +156,14 @@ impl Fitting<'_> {
 
     /// Returns `true` if a planner is nearer to the runs than an earlier one: by far if both blend corners in time or it has
     /// more parameters, otherwise so that the runs contradict the earlier one. Of two families that the runs cannot
-    /// distinguish, the one with fewer parameters counts as nearer.
+    /// distinguish, the one with fewer parameters counts as nearer; of two with as many, one that costs enough less.
     fn is_nearer(&self, planner: &Model, earlier: &Model) -> bool {
         let [own, others] = [planner, earlier].map(|model| model.best.values.len());
         let is_same = is_same_family(&planner.best.machine, &earlier.best.machine);
-        if !self.can_distinguish(&planner.best.machine, &earlier.best.machine) {
-            return !is_same && own < others;
-        }
         let [cost, before] = self.costs(planner, earlier);
+        if !self.can_distinguish(&planner.best.machine, &earlier.best.machine) {
+            return !is_same && (own < others || own == others && cost < max_cost(before, false));
+        }
         let blends = planner.best.machine.interpolator.junction.blends_in_time();
         cost < max_cost(before, others < own || blends && is_same)
     }
@@ -281,6 +281,13 @@ mod tests {
         // Of one family, the earlier one is kept.
         simpler.best.values.pop();
         assert!(!fitting.is_nearer(&simpler, &fewer));
+        // Of two with as many parameters, the one that the runs contradict is not.
+        let mut contradicted = more;
+        contradicted.best.values.truncate(fewer.best.values.len());
+        contradicted.best.machine = contradicted.best.machine.with_scaled_accelerations(1.002);
+        assert!(!fitting.can_distinguish(&fewer.best.machine, &contradicted.best.machine));
+        assert!(fitting.is_nearer(&fewer, &contradicted));
+        assert!(!fitting.is_nearer(&contradicted, &fewer));
     }
 
     /// Wide corners, which LinuxCNC rounds the more the larger the override that it plans for.
