@@ -1,5 +1,5 @@
-//! Families of planners that a calibration recognises: steps of axis velocities at corners and at rests, as Marlin, and ramps of
-//! constant jerk, as TinyG.
+//! Families of planners that a calibration recognises: steps of axis velocities at corners and at rests, and short blocks that are
+//! chords of an arc, as Marlin, ramps of constant jerk, as TinyG, and square corners, as Klipper.
 
 use truefeed::identification::calibration::calibrate;
 use truefeed::machine::{ArcChords, Junction, Machine, Planner};
@@ -44,6 +44,20 @@ fn star() -> String {
         )
     };
     format!("G21 G90\nG0 X0 Y0 Z0 F5400\n{}M30\n", (0..12).map(turn).collect::<String>())
+}
+
+/// Waves of short lines with long ones between them.
+fn waves() -> String {
+    let point =
+        |at: u32| format!("X{:.3} Y{:.3}\n", 0.25 * f64::from(at), 6.0 * (0.12 * f64::from(at)).sin());
+    let wave = |at: u32| {
+        format!(
+            "G1 X0 Y0 F{}\n{}G0 Z2\nX0 Y0\nZ0\n",
+            2400 + 300 * at,
+            (1..=160).map(point).collect::<String>()
+        )
+    };
+    format!("G21 G90\nG0 X0 Y0 Z0 F5400\n{}M30\n", (0..4).map(wave).collect::<String>())
 }
 
 /// Circles that are too tight for the programmed feedrate, with a corner before and after each short line.
@@ -168,4 +182,33 @@ fn arcs_do_not_hide_the_acceleration_and_corners_of_a_planner_with_square_corner
     };
     assert!((velocity / 3.849 - 1.0).abs() < 0.02, "{velocity} mm/s");
     assert!((found.path.acceleration / 670.0 - 1.0).abs() < 0.01, "{} mm/s²", found.path.acceleration);
+}
+
+/// By the law of grbl, corners between lines that are a tenth of a millimetre long would be passed at full speed.
+#[test]
+fn short_blocks_are_passed_as_chords_of_an_arc() {
+    let mut truth = believed();
+    truth.become_planner(Planner::ChordDeviation, 1340.0);
+    truth.interpolator.junction = Junction::Deviation(0.03);
+    for is_quintic in [false, true] {
+        truth.interpolator.quintic_ramps = is_quintic;
+        let found = calibrated(&star(), &truth);
+        assert!(found.interpolator.short_blocks_are_chords, "{:?}", found.interpolator);
+        assert_eq!(found.interpolator.quintic_ramps, is_quintic);
+        let off = time(&waves(), &found) / time(&waves(), &truth) - 1.0;
+        assert!(off.abs() < 3e-3, "another program is {off} off");
+    }
+}
+
+/// With trapezoids in the place of these ramps, all else would be fitted wrong, and filters would be nearer.
+#[test]
+fn small_circles_show_quintic_ramps() {
+    let mut truth = believed();
+    truth.become_planner(Planner::ChordDeviation, 1080.0);
+    truth.interpolator.junction = Junction::Deviation(0.05);
+    truth.interpolator.quintic_ramps = true;
+    let found = calibrated(&trochoid(), &truth);
+    assert!(found.interpolator.quintic_ramps, "{:?}", found.interpolator);
+    let acceleration = found.axes[0].acceleration;
+    assert!((acceleration / 1080.0 - 1.0).abs() < 0.01, "{acceleration} mm/s²");
 }

@@ -49,14 +49,23 @@ pub struct Kind {
 const ANY: fn(&Manner) -> bool = |_| true;
 const BLENDS: fn(&Manner) -> bool = |manner| manner.path != PathMode::Exact;
 
-const ALL: &[Family] = &[Family::LinuxCnc, Family::Grbl, Family::Klipper, Family::Marlin, Family::TinyG];
+const ALL: &[Family] = &[
+    Family::LinuxCnc,
+    Family::Grbl,
+    Family::Klipper,
+    Family::Marlin,
+    Family::MarlinDeviation,
+    Family::TinyG,
+];
 /// Controls whose operator acts while a block runs.
 const WITHIN_BLOCKS: &[Family] = &[Family::LinuxCnc, Family::Grbl];
-const WITH_AXIS_VELOCITY: &[Family] = &[Family::LinuxCnc, Family::Grbl, Family::Marlin, Family::TinyG];
-const WITH_AXIS_ACCELERATION: &[Family] = &[Family::LinuxCnc, Family::Grbl, Family::Marlin];
-const BUFFERED: &[Family] = &[Family::Grbl, Family::Marlin, Family::TinyG];
+const WITH_AXIS_VELOCITY: &[Family] =
+    &[Family::LinuxCnc, Family::Grbl, Family::Marlin, Family::MarlinDeviation, Family::TinyG];
+const WITH_AXIS_ACCELERATION: &[Family] =
+    &[Family::LinuxCnc, Family::Grbl, Family::Marlin, Family::MarlinDeviation];
+const BUFFERED: &[Family] = &[Family::Grbl, Family::Marlin, Family::MarlinDeviation, Family::TinyG];
 const LINUXCNC: &[Family] = &[Family::LinuxCnc];
-const GRBL: &[Family] = &[Family::Grbl];
+const WITH_DEVIATION: &[Family] = &[Family::Grbl, Family::MarlinDeviation];
 const KLIPPER: &[Family] = &[Family::Klipper];
 
 const fn kind(
@@ -91,7 +100,7 @@ pub static KINDS: [Kind; 24] = [
     kind("velocity_slider", LINUXCNC, ANY, velocity_slider),
     Kind { name: "servo_lag", bends_path: true, on: LINUXCNC, applies: ANY, draw: servo_lag },
     Kind { name: "backlash", bends_path: true, on: LINUXCNC, applies: ANY, draw: backlash },
-    kind("junction_deviation", GRBL, ANY, junction_deviation),
+    kind("junction_deviation", WITH_DEVIATION, ANY, junction_deviation),
     kind("look_ahead", BUFFERED, ANY, look_ahead),
     kind("axis_acceleration", KLIPPER, ANY, acceleration_of_z),
     kind("path_acceleration", KLIPPER, ANY, path_acceleration),

@@ -16,15 +16,18 @@ pub enum Family {
     Grbl,
     Klipper,
     Marlin,
+    /// Marlin with a junction deviation, as it comes.
+    MarlinDeviation,
     TinyG,
 }
 
 impl Family {
-    pub const NAMES: [(&'static str, Family); 5] = [
+    pub const NAMES: [(&'static str, Family); 6] = [
         ("linuxcnc", Family::LinuxCnc),
         ("grbl", Family::Grbl),
         ("klipper", Family::Klipper),
         ("marlin", Family::Marlin),
+        ("marlin-deviation", Family::MarlinDeviation),
         ("tinyg", Family::TinyG),
     ];
 
@@ -74,6 +77,15 @@ impl Limits {
                 let step = rounded(random.log_uniform(1.0, 15.0));
                 let is_curved = if random.chance(0.5) { 1.0 } else { 0.0 };
                 self.settings = vec![("--corner-step".into(), step), ("--s-curve".into(), is_curved)];
+            }
+            Family::MarlinDeviation => {
+                let deviation = rounded(random.log_uniform(0.005, 0.08));
+                let is_curved = if random.chance(0.5) { 1.0 } else { 0.0 };
+                self.settings = vec![
+                    ("--junction-deviation".into(), deviation),
+                    ("--short-blocks".into(), 1.0),
+                    ("--s-curve".into(), is_curved),
+                ];
             }
             Family::TinyG => {
                 let deviation = rounded(random.log_uniform(0.01, 0.1));

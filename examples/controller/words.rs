@@ -76,7 +76,7 @@ impl Manner {
         match family {
             Family::LinuxCnc => self,
             Family::Grbl | Family::TinyG => plain,
-            Family::Marlin => {
+            Family::Marlin | Family::MarlinDeviation => {
                 let rapid_feed = Some((60.0 * limits.velocity[0].min(limits.velocity[1])).round());
                 Manner { rapid_feed, dwell_unit: 1e-3, ..plain }
             }

@@ -110,6 +110,9 @@ pub struct Interpolator {
     pub corner_mode: CornerMode,
     /// Junction law; neutral the tolerance alone.
     pub junction: Junction,
+    /// `true` if short blocks at a corner with a junction deviation are chords of an arc, and the corner has at most the
+    /// acceleration of the block after it; neutral `false`.
+    pub short_blocks_are_chords: bool,
     /// Turn of the path beyond which the motion stops, rad; neutral π.
     pub exact_stop_angle: f64,
     /// Corners are slowed by the fourth power of their turn, down to a full stop at this turn, rad; neutral
@@ -512,6 +515,7 @@ impl Default for Machine {
                 arc_chords: ArcChords::Whole,
                 max_override: 1.0,
                 minimum_cruise_ratio: 0.0,
+                short_blocks_are_chords: false,
                 quintic_ramps: false,
                 block_time: 0.0,
                 look_ahead: f64::INFINITY,

@@ -20,8 +20,10 @@ pub enum Planner {
     JunctionDeviation,
     /// The path has an acceleration limit, and a square-corner velocity limits corners, as in Klipper.
     SquareCorner,
-    /// Axes have acceleration limits, and a largest step of their velocity limits corners, as in Marlin.
+    /// Axes have acceleration limits, and a largest step of their velocity limits corners, as in Marlin with classic jerk.
     AxisStep,
+    /// As [`Planner::JunctionDeviation`], but short blocks are chords of an arc, as in Marlin without classic jerk.
+    ChordDeviation,
 }
 
 /// Contour tolerance of a LinuxCNC planner if the program sets none, mm: no blend reaches it.
@@ -49,6 +51,8 @@ const KLIPPER_CHORD_MM: f64 = 0.1;
 pub const KLIPPER_MIN_CRUISE_RATIO: f64 = 0.5;
 /// Default step of the velocity of X and Y of Marlin, mm/s (`DEFAULT_XJERK`).
 const MARLIN_AXIS_STEP_MM_S: f64 = 10.0;
+/// Default junction deviation of Marlin, mm (`JUNCTION_DEVIATION_MM`).
+const MARLIN_JUNCTION_DEVIATION_MM: f64 = 0.013;
 /// Default length of the chords of arcs in Marlin, mm (`MAX_ARC_SEGMENT_MM`).
 const MARLIN_CHORD_MM: f64 = 1.0;
 /// Blocks that Marlin plans ahead by default (`BLOCK_BUFFER_SIZE`).
@@ -56,8 +60,18 @@ const MARLIN_LOOK_AHEAD: f64 = 16.0;
 
 impl Planner {
     /// All families.
-    pub const ALL: [Planner; 4] =
-        [Planner::AccelerationBlend, Planner::JunctionDeviation, Planner::SquareCorner, Planner::AxisStep];
+    pub const ALL: [Planner; 5] = [
+        Planner::AccelerationBlend,
+        Planner::JunctionDeviation,
+        Planner::SquareCorner,
+        Planner::AxisStep,
+        Planner::ChordDeviation,
+    ];
+
+    /// Returns `true` if G0 of the family is G1, so rapids have a programmed feedrate.
+    fn has_rapids_at_feedrate(self) -> bool {
+        matches!(self, Planner::SquareCorner | Planner::AxisStep | Planner::ChordDeviation)
+    }
 }
 
 impl Machine {
@@ -83,8 +97,7 @@ impl Machine {
         self.interpolator.time_constants = TimeConstants::Equal(STEPPER_FILTER_S);
         // The planners of grbl and Klipper plan rapids and feed moves together; LinuxCNC stops between them.
         self.rapid.time_constants = None;
-        // G0 of Klipper and Marlin is G1.
-        self.rapid.at_feedrate |= matches!(planner, Planner::SquareCorner | Planner::AxisStep);
+        self.rapid.at_feedrate |= planner.has_rapids_at_feedrate();
         self.limit_accelerations(planner, acceleration, [acceleration; 3]);
         match planner {
             Planner::AccelerationBlend => {
@@ -108,6 +121,12 @@ impl Machine {
             }
             Planner::AxisStep => {
                 self.interpolator.junction = Junction::AxisStep(MARLIN_AXIS_STEP_MM_S);
+                self.interpolator.arc_chords = ArcChords::Long(MARLIN_CHORD_MM);
+                self.interpolator.look_ahead = self.interpolator.look_ahead.min(MARLIN_LOOK_AHEAD);
+            }
+            Planner::ChordDeviation => {
+                self.interpolator.junction = Junction::Deviation(MARLIN_JUNCTION_DEVIATION_MM);
+                self.interpolator.short_blocks_are_chords = true;
                 self.interpolator.arc_chords = ArcChords::Long(MARLIN_CHORD_MM);
                 self.interpolator.look_ahead = self.interpolator.look_ahead.min(MARLIN_LOOK_AHEAD);
             }

@@ -5,6 +5,8 @@
 //! (`planner.c`). Velocity is constant within segments of 10 ms, and each interval of the step timer is one cycle longer
 //! than it was set (`stepper.c`).
 
+use std::f64::consts::FRAC_PI_4;
+
 use super::piece::{Piece, ramps};
 use super::reader::{Block, Item, Reading, known, limit_along};
 use super::settings::Settings;
@@ -152,6 +154,9 @@ impl Control<'_> {
 }
 
 /// The square of the highest velocity at the corner between two blocks.
+///
+/// On Marlin, A is at most the acceleration of the second block, and two blocks that turn little are chords of an arc if the
+/// second one is short: v² = A L / φ.
 pub fn junction(before: &Block, after: &Block, settings: &Settings) -> f64 {
     let cos: f64 = -(0..3).map(|axis| before.direction[axis] * after.direction[axis]).sum::<f64>();
     if cos > 0.999_999 {
@@ -162,9 +167,21 @@ pub fn junction(before: &Block, after: &Block, settings: &Settings) -> f64 {
     }
     let along: [f64; 3] = std::array::from_fn(|axis| after.direction[axis] - before.direction[axis]);
     let size = along.iter().map(|part| part * part).sum::<f64>().sqrt();
-    let acceleration = limit_along(&along.map(|part| part / size), &settings.acceleration);
+    let of_corner = limit_along(&along.map(|part| part / size), &settings.acceleration);
     let half_sine = (0.5 * (1.0 - cos)).sqrt();
-    acceleration * settings.junction_deviation * half_sine / (1.0 - half_sine)
+    let squared_by =
+        |acceleration: f64| acceleration * settings.junction_deviation * half_sine / (1.0 - half_sine);
+    if !settings.has_short_blocks_as_chords {
+        return squared_by(of_corner);
+    }
+    let acceleration = of_corner.min(after.along(&settings.acceleration));
+    let turn = (-cos).acos();
+    let is_chord = after.length < 1.0 && turn < FRAC_PI_4;
+    if is_chord {
+        squared_by(acceleration).min(acceleration * after.length / turn)
+    } else {
+        squared_by(acceleration)
+    }
 }
 
 /// Cuts each block into segments of constant velocity, each longer by the error of the step timer.

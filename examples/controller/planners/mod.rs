@@ -1,4 +1,4 @@
-//! The planners of four controls, which need no recorder. They follow the manuals and sources of grbl, Klipper, Marlin and
+//! The planners of four controls, one of them with two laws of corners, which need no recorder. They follow the manuals and sources of grbl, Klipper, Marlin and
 //! TinyG and share no code with the predictor. `tests.rs` compares the first two with recordings of the real software.
 //! Marlin and TinyG were written to see how Truefeed judges a control whose law it does not have; both laws are among its
 //! families now.
@@ -40,7 +40,7 @@ fn replayed(family: Family, text: &str, step: f64, settings: &Settings) -> Resul
         Family::LinuxCnc => return Err("LinuxCNC has a recorder and no planner here".into()),
         Family::Grbl => (&grbl::READING, grbl::run, Some(grbl::STEP_MM)),
         Family::Klipper => (&klipper::READING, klipper::run, None),
-        Family::Marlin => (&s_curves::MARLIN, s_curves::run, None),
+        Family::Marlin | Family::MarlinDeviation => (&s_curves::MARLIN, s_curves::run, None),
         Family::TinyG => (&s_curves::TINYG, s_curves::run, None),
     };
     Ok(piece::sampled(&run(&read(text, reading)?, settings), step, motor_step))

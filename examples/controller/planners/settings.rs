@@ -18,6 +18,8 @@ pub struct Settings {
     pub cruise_ratio: f64,
     /// Marlin's largest step of an axis' velocity, mm/s.
     pub corner_step: Option<f64>,
+    /// Whether the junction deviation is Marlin's, with `JD_HANDLE_SMALL_SEGMENTS`.
+    pub has_short_blocks_as_chords: bool,
     /// Whether Marlin's ramps are curves.
     pub is_curved: bool,
     /// The time after which TinyG's jerk has built up the acceleration of an axis, s.
@@ -41,6 +43,7 @@ impl Default for Settings {
             square_corner_velocity: 5.0,
             cruise_ratio: 0.5,
             corner_step: None,
+            has_short_blocks_as_chords: false,
             is_curved: false,
             jerk_time: None,
             look_ahead: 15,
@@ -81,6 +84,7 @@ impl Settings {
             "--square-corner-velocity" => self.square_corner_velocity = value.parse()?,
             "--cruise-ratio" => self.cruise_ratio = value.parse()?,
             "--corner-step" => self.corner_step = Some(value.parse()?),
+            "--short-blocks" => self.has_short_blocks_as_chords = value != "0",
             "--s-curve" => self.is_curved = value != "0",
             "--jerk-time" => self.jerk_time = Some(value.parse()?),
             "--look-ahead" => self.look_ahead = value.parse()?,

@@ -209,11 +209,35 @@ fn steps_of_axis_velocities_and_quintic_ramps_are_found() {
     assert!(found.interpolator.quintic_ramps && misfit < MAX_RAMP_MISFIT, "{misfit}");
 }
 
-/// Marlin's curves with grbl's corners.
+/// Marlin as it comes, with curves.
 #[test]
-fn ramps_of_an_unknown_law_are_told() {
+fn a_junction_deviation_of_marlin_is_found() {
+    let truth = Settings {
+        acceleration: [400.0; 3],
+        velocity: [80.0; 3],
+        junction_deviation: 0.03,
+        has_short_blocks_as_chords: true,
+        is_curved: true,
+        ..Settings::default()
+    };
+    let (found, misfit) = calibrated_with_misfit("marlin-deviation", "pocket", &truth);
+    let Junction::Deviation(deviation) = found.interpolator.junction else {
+        panic!("{:?}", found.interpolator)
+    };
+    assert!((deviation / 0.03 - 1.0).abs() < 0.02, "{deviation} mm");
+    assert!(found.interpolator.short_blocks_are_chords);
+    assert!(found.interpolator.quintic_ramps && misfit < MAX_RAMP_MISFIT, "{misfit}");
+}
+
+/// Marlin's curves with grbl's corners, which are no family: the nearest one has all of its ramps.
+#[test]
+fn curves_with_corners_of_grbl_are_taken_for_marlin() {
     let truth =
         Settings { acceleration: [400.0; 3], velocity: [80.0; 3], is_curved: true, ..Settings::default() };
     let (found, misfit) = calibrated_with_misfit("marlin", "pocket", &truth);
-    assert!(MAX_RAMP_MISFIT < misfit, "{misfit} {:?} {:?}", found.interpolator, found.path);
+    let Junction::Deviation(deviation) = found.interpolator.junction else {
+        panic!("{:?}", found.interpolator)
+    };
+    assert!((deviation / 0.01 - 1.0).abs() < 0.05, "{deviation} mm");
+    assert!(found.interpolator.quintic_ramps && misfit < MAX_RAMP_MISFIT, "{misfit}");
 }

@@ -52,8 +52,8 @@ struct Guessing<'a> {
     held: HeldAccelerations,
 }
 
-/// Returns the machines of each family that are nearest to the runs, before any fit; of the rarest one, with steps of axis
-/// velocities, only the nearest. `machine` is the machine before the calibration; `fitted` has the waits and the rapid feed
+/// Returns the machines of each family that are nearest to the runs, before any fit; of Marlin's two families only the
+/// nearest of each. `machine` is the machine before the calibration; `fitted` has the waits and the rapid feed
 /// that filters need. Acceleration blends are guessed with a contour tolerance, as the control may be started with one, and
 /// without.
 pub fn guesses(
@@ -66,12 +66,16 @@ pub fn guesses(
     let mut plain = fitted.clone();
     plain.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
     let guessing = Guessing { machine, fitted: &plain, runs, whitenings, plateaus, held };
-    let (of_steps, others): (Vec<CandidateFamily>, Vec<CandidateFamily>) = candidates(&plain, plateaus)
-        .into_iter()
-        .partition(|candidate| candidate.planner == Planner::AxisStep);
-    let guesses = |candidate| guessing.of(candidate);
-    let of_steps = guessing.nearest(of_steps.into_iter().flat_map(guesses));
-    others.into_iter().flat_map(guesses).chain(of_steps).collect()
+    let candidates = candidates(&plain, plateaus);
+    let of = |planner: Planner| {
+        let own = candidates.iter().filter(move |candidate| candidate.planner == planner);
+        own.flat_map(|candidate| guessing.of(*candidate)).collect::<Vec<Machine>>()
+    };
+    let guesses = |planner: Planner| match planner {
+        Planner::AxisStep | Planner::ChordDeviation => guessing.nearest(of(planner)).into_iter().collect(),
+        _ => of(planner),
+    };
+    Planner::ALL.into_iter().flat_map(guesses).collect()
 }
 
 impl Guessing<'_> {
@@ -189,7 +193,7 @@ fn candidates(plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<Candidate
         let limits: &[bool] = if is_limited { &[false, true] } else { &[false] };
         let (tolerances, ratios): (&[bool], &[f64]) = match planner {
             Planner::AccelerationBlend => (&[false, true], &[0.0]),
-            Planner::JunctionDeviation | Planner::AxisStep => (&[false], &[0.0]),
+            Planner::JunctionDeviation | Planner::AxisStep | Planner::ChordDeviation => (&[false], &[0.0]),
             Planner::SquareCorner => (&[false], &INITIAL_CRUISE_RATIOS),
         };
         for &is_limited in limits {
@@ -284,14 +288,15 @@ fn with_and_without_steps(machine: &Machine, runs: &[Run]) -> Vec<Machine> {
     both
 }
 
-/// Returns `true` if the step of the velocity of each axis limits corners, as in Marlin.
-pub fn is_of_axis_steps(machine: &Machine) -> bool {
+/// Returns `true` if the planner is one of Marlin's, whose ramps may be quintic.
+pub fn is_of_marlin(machine: &Machine) -> bool {
     matches!(machine.interpolator.junction, Junction::AxisStep(_))
+        || machine.interpolator.short_blocks_are_chords
 }
 
-/// Returns `true` if a junction deviation limits corners, as in grbl.
+/// Returns `true` if a junction deviation limits corners as in grbl.
 pub fn plans_by_deviation(machine: &Machine) -> bool {
-    matches!(machine.interpolator.junction, Junction::Deviation(_))
+    matches!(machine.interpolator.junction, Junction::Deviation(_)) && !is_of_marlin(machine)
 }
 
 /// Returns a planner with a junction deviation with the step segments and the timer of grbl, with an exact timer, and without

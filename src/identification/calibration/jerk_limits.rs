@@ -11,7 +11,7 @@
 //! jerk that is a tenth off costs more than a wrong law.
 
 use crate::identification::calibration::families::{
-    has_junction_law, is_of_axis_steps, plans_by_deviation, with_junctions,
+    has_junction_law, is_of_marlin, plans_by_deviation, with_junctions,
 };
 use crate::identification::calibration::held_jerks::held_jerks;
 use crate::identification::calibration::nearest;
@@ -38,7 +38,7 @@ const START_CHORD_ERROR_RATIOS: [f64; 3] = [1.0, 5.0, 25.0];
 /// Returns the nearest machines of a fitted planner with jerk limits; none if its family blends corners in time or its jerk
 /// is already limited.
 pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Machine> {
-    if !has_junction_law(machine) || is_of_axis_steps(machine) || machine.limits_jerk() {
+    if !has_junction_law(machine) || is_of_marlin(machine) || machine.limits_jerk() {
         return Vec::new();
     }
     let lowest = machine.axes.map(|axis| axis.acceleration).into_iter().fold(f64::INFINITY, f64::min);

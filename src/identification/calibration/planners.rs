@@ -72,14 +72,22 @@ impl Fitting<'_> {
         self.with_quintic_ramps(model)
     }
 
-    /// Returns a planner by steps of axis velocities with quintic ramps if these have the recorded shape and others have not.
-    /// They take as long, so nothing else changes.
-    fn with_quintic_ramps(&self, mut model: Model) -> Model {
-        if families::is_of_axis_steps(&model.best.machine) && !self.has_its_ramps(&model) {
-            model.best.machine.interpolator.quintic_ramps = true;
-            model.best.machine.interpolator.quintic_ramps = self.has_its_ramps(&model);
+    /// Returns a planner of Marlin with quintic ramps if these have the recorded shape and others have not. They take as long,
+    /// but places within ramps are passed at other times, so all else is fitted again.
+    fn with_quintic_ramps(&mut self, model: Model) -> Model {
+        if !families::is_of_marlin(&model.best.machine) || self.has_its_ramps(&model) {
+            return model;
         }
-        model
+        let mut quintic = model.best.machine.clone();
+        quintic.interpolator.quintic_ramps = true;
+        let misfits =
+            [&quintic, &model.best.machine].map(|machine| ramp_misfit(machine, self.runs()).of_path);
+        if misfits[1] < misfits[0] {
+            return model;
+        }
+        let (best, whitenings) = self.fit_at_own_noise(&quintic, 1, FTOL);
+        let quintic = Model { best, whitenings, order: 1 };
+        if self.has_its_ramps(&quintic) { quintic } else { model }
     }
 
     /// Returns the planner of a family whose ramps have the recorded shape, unless another one is nearer by far; `None` if
@@ -141,9 +149,9 @@ impl Fitting<'_> {
         ramp_misfit(&model.best.machine, self.runs()).is_of_law()
     }
 
-    /// Returns `true` if the ramps of a planner of trapezoids have the recorded shape; of the rarest family, without doubt.
+    /// Returns `true` if the ramps of a planner of trapezoids have the recorded shape; of Marlin's, without doubt.
     fn needs_no_jerk_limit(&self, model: &Model) -> bool {
-        match families::is_of_axis_steps(&model.best.machine) {
+        match families::is_of_marlin(&model.best.machine) {
             true => !model.best.machine.interpolator.quintic_ramps && self.has_its_ramps(model),
             false => self.has_recorded_ramps(model),
         }
@@ -214,8 +222,10 @@ fn max_cost(before: f64, by_far: bool) -> f64 {
 
 /// Returns `true` if two planners have the same junction law; all ways to blend corners count as one.
 fn is_same_family(one: &Machine, other: &Machine) -> bool {
+    let [with_chords, others_chords] =
+        [one, other].map(|machine| machine.interpolator.short_blocks_are_chords);
     let [one, other] = [one, other].map(|machine| machine.interpolator.junction);
-    std::mem::discriminant(&one) == std::mem::discriminant(&other)
+    std::mem::discriminant(&one) == std::mem::discriminant(&other) && with_chords == others_chords
         || one.blends_in_time() && other.blends_in_time()
 }
 

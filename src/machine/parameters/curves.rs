@@ -4,7 +4,7 @@ use crate::machine::ArcChords;
 use crate::machine::parameter::{JERK_BOUNDS_MM_S3, Parameter, TOLERANCE_BOUNDS_MM, row};
 
 /// The rows.
-pub(super) const CURVES: [Parameter; 8] = [
+pub(super) const CURVES: [Parameter; 9] = [
     row!("interpolator.arc_tolerance_mm", "Contour tolerance of arcs", optional Millimetre TOLERANCE_BOUNDS_MM [interpolator.arc_tolerance],
         "How far inside an arc the motion may run. Empty: the contour tolerance."),
     row!("rapid.positioning_jerk_mm_s3", "Jerk of positioning", limit MillimetrePerSecond3 JERK_BOUNDS_MM_S3 [rapid.positioning_jerk],
@@ -30,5 +30,11 @@ pub(super) const CURVES: [Parameter; 8] = [
         "Quintic ramps",
         flag[interpolator.quintic_ramps],
         "Ramps of constant acceleration take the same time on a curve of fifth order, which begins and ends without acceleration, as in Marlin (S_CURVE_ACCELERATION)."
+    ),
+    row!(
+        "interpolator.short_blocks_are_chords",
+        "Short blocks as chords",
+        flag[interpolator.short_blocks_are_chords],
+        "Where the path turns by less than 45° into a block below 1 mm, the speed is at most that of the arc whose chord the block is; corners have at most the acceleration of the block after them. As in Marlin with a junction deviation (JD_HANDLE_SMALL_SEGMENTS)."
     ),
 ];

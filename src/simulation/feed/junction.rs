@@ -7,6 +7,7 @@
 //! junction deviation    √(b δ C/(1 − C)),  b = min_k a_k / |d_k|,  d = (u2 − u1)/D
 //! square-corner velocity   √min_l( V² (√2 − 1) (a_l/A) C/(1 − C),  ½ L_l a_l C / sin(φ/2) )
 //! axis velocity step    V / max_k |u2 − u1|_k
+//! short blocks          √(b L2 / φ) in addition to the junction deviation, b ≤ a_2, if L2 < 1 mm and φ < 45°
 //! ```
 //!
 //! A rest is a corner with u = 0 on one side to the axis velocity step of a planner without filters: motions begin and end
@@ -37,6 +38,11 @@
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::{limits, positioning};
 use crate::simulation::toolpath::{Curve, Segment, Vector};
+
+/// Length from which on a block is no chord of an arc, mm (Marlin).
+const LONGEST_CHORD_MM: f64 = 1.0;
+/// Turn from which on a corner is no joint of chords, rad (Marlin).
+const LARGEST_TURN_OF_CHORDS_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
 /// The geometry of a corner on which junction laws depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +77,16 @@ impl CornerTurn {
         self.half_cosine * (1.0 + self.half_cosine) / (half_sine * half_sine)
     }
 
+    /// Returns the radius of the arc whose chord the second leg is, mm; infinite if the leg is long or the turn large.
+    fn radius_of_chord(&self) -> f64 {
+        let (turn, length) = (2.0 * (0.5 * self.change).min(1.0).asin(), self.lengths[1]);
+        if length < LONGEST_CHORD_MM && turn < LARGEST_TURN_OF_CHORDS_RAD {
+            length / turn
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// Returns the acceleration in the direction in which the velocity changes, mm/s², with each axis at its
     /// limit.
     fn acceleration_along_change(&self, machine: &Machine) -> f64 {
@@ -101,7 +117,14 @@ impl CornerTurn {
             | Junction::ParabolicBlend
             | Junction::ExactPath => f64::INFINITY,
             Junction::Deviation(deviation) => {
-                (self.acceleration_along_change(machine) * deviation * self.radius_of_deviation()).sqrt()
+                let along_change = self.acceleration_along_change(machine);
+                let of_deviation = deviation * self.radius_of_deviation();
+                match machine.interpolator.short_blocks_are_chords {
+                    true => {
+                        (along_change.min(accelerations[1]) * of_deviation.min(self.radius_of_chord())).sqrt()
+                    }
+                    false => (along_change * of_deviation).sqrt(),
+                }
             }
             Junction::SquareCorner(velocity) => {
                 let of =
@@ -216,6 +239,24 @@ mod tests {
             let found = corner.feedrate(&machine(junction), [500.0; 2]);
             assert!(found == feedrate || (found / feedrate - 1.0).abs() < 1e-12, "{junction:?}: {found}");
         }
+    }
+
+    /// Marlin: an arc of radius L/φ, and no more acceleration than the block has that follows.
+    #[test]
+    fn short_blocks_are_chords_of_an_arc() {
+        let mut corner = turn(0.1);
+        let mut machine = machine(Junction::Deviation(0.01));
+        let of_deviation = corner.feedrate(&machine, [500.0, 300.0]);
+        machine.interpolator.short_blocks_are_chords = true;
+        let feedrate = |corner: &CornerTurn| corner.feedrate(&machine, [500.0, 300.0]);
+        assert!((feedrate(&corner) / of_deviation - (300.0f64 / 500.0).sqrt()).abs() < 0.02);
+        corner.lengths = [10.0, 0.2];
+        assert!((feedrate(&corner) - (300.0f64 * 0.2 / 0.1).sqrt()).abs() < 1e-9);
+        // The block before the corner may have any length, and a large turn is a corner.
+        let mut other = turn(1.0);
+        let of_long_blocks = feedrate(&other);
+        other.lengths = [0.2, 0.2];
+        assert_eq!(feedrate(&other), of_long_blocks);
     }
 
     /// A recording of grbl 1.1: 248 mm/min at a right angle between X and Y, each with 500 mm/s².
