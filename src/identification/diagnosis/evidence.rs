@@ -191,8 +191,35 @@ impl<'a> Evidence<'a> {
     }
 
     /// Returns a candidate fitted by least squares together with others that are already named, and those others with
-    /// their new values.
+    /// their new values. A whole number is compared with its neighbours, because screening found it with parameters that the
+    /// calibration had assumed.
     pub fn refined(
+        &self,
+        machine: &Machine,
+        candidate: &Candidate,
+        with: &[Candidate],
+    ) -> (Candidate, Vec<Candidate>) {
+        let mut best = self.fitted(machine, candidate, with);
+        if candidate.hypothesis.between_trials != Between::WholeNumbers || self.assumed.is_empty() {
+            return best;
+        }
+        let (least, most) = candidate.hypothesis.freed[0].bounds;
+        loop {
+            let own = best.0.values[0];
+            let neighbours =
+                [own - 1.0, own + 1.0].into_iter().filter(|value| (least..=most).contains(value));
+            let fitted =
+                |value: f64| self.fitted(machine, &Candidate { values: vec![value], ..best.0.clone() }, with);
+            let nearest = neighbours.map(fitted).min_by(|one, other| one.0.cost.total_cmp(&other.0.cost));
+            match nearest {
+                Some(nearest) if nearest.0.cost < best.0.cost => best = nearest,
+                _ => return best,
+            }
+        }
+    }
+
+    /// Returns a candidate fitted together with others, and those others; a whole number stays.
+    fn fitted(
         &self,
         machine: &Machine,
         candidate: &Candidate,
@@ -320,6 +347,42 @@ pub fn with_all(machine: &Machine, candidates: &[Candidate]) -> Machine {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identification::alignment::recorded;
+    use crate::identification::effects::{LOOK_AHEAD, library};
+    use crate::machine::{ArcChords, Junction, Planner};
+
+    /// Half circles between rows along X: with all blocks ahead, Y never ramps, so its jerk is assumed, and too high.
+    #[test]
+    fn a_whole_number_is_compared_with_its_neighbours_where_a_parameter_is_assumed() {
+        let mut truth = Machine::default();
+        truth.become_planner(Planner::JunctionDeviation, 1e4);
+        (truth.interpolator.step_segment, truth.interpolator.look_ahead) = (0.0, 3.0);
+        truth.interpolator.junction = Junction::Deviation(0.04);
+        truth.interpolator.arc_chords = ArcChords::Within(0.01);
+        truth.axes.iter_mut().for_each(|axis| axis.jerk = 41e3);
+        truth.axes[1].jerk = 24e3;
+        let mut believed = truth.clone();
+        believed.interpolator.look_ahead = 15.0;
+        believed.axes[1].jerk = 41e3;
+        believed.calibrated_on.least_jerks = Some([0.0, 9e3, 0.0]);
+        let row = |at: u32| {
+            format!(
+                "G1 X60\nG3 Y{} J3.2\nG1 X0\nG2 Y{} J3.2\n",
+                12.8 * f64::from(at) + 6.4,
+                12.8 * f64::from(at) + 12.8
+            )
+        };
+        let program = format!("G1 F2100\n{}", (0..5).map(row).collect::<String>());
+        let (toolpath, alignment) = recorded(&program, &truth, 1e-4);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let evidence = Evidence::of(&runs, &believed);
+        let hypotheses = library(&believed, &runs);
+        let look_ahead = hypotheses.iter().find(|own| own.effect == LOOK_AHEAD).expect("blocks are short");
+        let screened = evidence.screened(&believed, look_ahead).expect("there are trials");
+        assert_ne!(screened.values, [3.0]);
+        let (found, _) = evidence.refined(&believed, &screened, &[]);
+        assert_eq!(found.values, [3.0]);
+    }
 
     #[test]
     fn a_counted_number_is_found_between_its_trials() {

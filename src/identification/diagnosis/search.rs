@@ -27,7 +27,7 @@ use crate::simulation::ordered::sort_by_number;
 /// Largest ratio of the cost with another cause to that with the named one at which the other replaces it: of two that
 /// are nearly as good, either may be right.
 const MAX_REPLACING_COST_RATIO: f64 = 0.5;
-/// Most candidates that are refined by least squares.
+/// Number of candidates, and of effects, that are refined by least squares.
 const REFINED: usize = 5;
 
 /// A function of the machine with the best candidate that returns `true` if the machine file has another family of controls
@@ -167,6 +167,8 @@ fn screened(
     let mut candidates: Vec<Candidate> =
         side_by_side(hypotheses.len(), screened, progress).into_iter().flatten().collect();
     sort_by_number(&mut candidates, |one| one.cost);
+    // On a planner, limits before the filters and limits after them make the same motion.
+    candidates.dedup_by(|next, own| next.hypothesis.effect == own.hypothesis.effect && next.cost == own.cost);
     candidates.truncate(3 * REFINED);
     candidates
 }
@@ -186,7 +188,7 @@ fn refined(
     };
     let mut good: Vec<Candidate> = good.iter().map(at_fine).collect();
     sort_by_number(&mut good, |one| one.cost);
-    good.truncate(REFINED);
+    let good = best_effects(good);
     let speeds = Speeds::of(current, fine.runs);
     // A halt changes no feedrate; what was fitted beside it may.
     let is_as_close = |candidate: &Candidate, others: &[Candidate]| {
@@ -201,6 +203,21 @@ fn refined(
     });
     sort_by_number(&mut refined, |found| priced(fine.runs, &[&found.0]));
     refined
+}
+
+/// Returns the first [`REFINED`] of the sorted candidates, and the first of each of the first `REFINED` effects: several axes of
+/// one effect shall not hide another effect that parameters beside it make better.
+fn best_effects(sorted: Vec<Candidate>) -> Vec<Candidate> {
+    let mut effects = Vec::new();
+    let mut is_kept = |(place, candidate): &(usize, Candidate)| {
+        let effect = candidate.hypothesis.effect;
+        let is_first = !effects.contains(&effect) && effects.len() < REFINED;
+        if is_first {
+            effects.push(effect);
+        }
+        is_first || *place < REFINED
+    };
+    sorted.into_iter().enumerate().filter(|ranked| is_kept(ranked)).map(|(_, candidate)| candidate).collect()
 }
 
 /// Moves the better cause of the best pair to the front, if that pair is better than the best cause alone, and returns
@@ -362,4 +379,25 @@ pub fn without_unnecessary(
         named.iter_mut().zip(others).for_each(|(named, candidate)| named.candidate = candidate);
     }
     named
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::effects::{AXIS_VELOCITY_LIMIT, PATH_ACCELERATION_LIMIT, library};
+
+    #[test]
+    fn axes_of_one_effect_do_not_hide_another_effect() {
+        let machine = Machine::default();
+        let all = library(&machine, &[]);
+        let of = |effect| {
+            let hypothesis = all.iter().find(|own| own.effect == effect).expect("the library has it").clone();
+            Candidate::read_off(hypothesis, 1.0, f64::NAN)
+        };
+        let mut sorted = vec![of(AXIS_VELOCITY_LIMIT); REFINED];
+        sorted.extend([PATH_ACCELERATION_LIMIT, AXIS_VELOCITY_LIMIT, FEED_OVERRIDE].map(of));
+        let kept: Vec<_> = best_effects(sorted).iter().map(|own| own.hypothesis.effect).collect();
+        assert_eq!(kept[..REFINED], [AXIS_VELOCITY_LIMIT; REFINED]);
+        assert_eq!(kept[REFINED..], [PATH_ACCELERATION_LIMIT, FEED_OVERRIDE]);
+    }
 }
