@@ -212,3 +212,18 @@ fn small_circles_show_quintic_ramps() {
     let acceleration = found.axes[0].acceleration;
     assert!((acceleration / 1080.0 - 1.0).abs() < 0.01, "{acceleration} mm/s²");
 }
+
+/// Short lines along which the look-ahead limits the feedrate: it is that of a ring of 16 blocks, which keeps one free.
+#[test]
+fn a_run_that_the_look_ahead_limits_shows_steps_of_axis_velocities() {
+    let mut truth = believed();
+    truth.become_planner(Planner::AxisStep, 300.0);
+    truth.interpolator.junction = Junction::AxisStep(2.5);
+    truth.interpolator.look_ahead = 15.0;
+    let found = calibrated(&waves(), &truth);
+    let Junction::AxisStep(step) = found.interpolator.junction else {
+        panic!("{:?}", found.interpolator.junction)
+    };
+    assert!((step / 2.5 - 1.0).abs() < 0.01, "{step} mm/s");
+    assert_eq!(found.interpolator.look_ahead, 15.0);
+}

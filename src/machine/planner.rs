@@ -37,8 +37,8 @@ const GRBL_CHORD_ERROR_MM: f64 = 0.002;
 /// Factors for the distance between arcs and their chords, tried where runs do not show it. The defaults of grbl and TinyG
 /// differ by a factor of five.
 pub const CHORD_ERROR_RATIOS: [f64; 2] = [0.2, 5.0];
-/// Blocks that grbl plans ahead by default.
-const GRBL_LOOK_AHEAD: f64 = 15.0;
+/// Blocks that grbl and Marlin plan ahead by default: their ring of 16 blocks (`BLOCK_BUFFER_SIZE`) keeps one free.
+const RING_LOOK_AHEAD: f64 = 15.0;
 /// Time for which the step timer of grbl holds one feedrate, s (`DT_SEGMENT`).
 pub const GRBL_STEP_SEGMENT_S: f64 = 0.01;
 /// Frequency of the step timer of grbl on the boards that it was written for, Hz.
@@ -55,8 +55,6 @@ const MARLIN_AXIS_STEP_MM_S: f64 = 10.0;
 const MARLIN_JUNCTION_DEVIATION_MM: f64 = 0.013;
 /// Default length of the chords of arcs in Marlin, mm (`MAX_ARC_SEGMENT_MM`).
 const MARLIN_CHORD_MM: f64 = 1.0;
-/// Blocks that Marlin plans ahead by default (`BLOCK_BUFFER_SIZE`).
-const MARLIN_LOOK_AHEAD: f64 = 16.0;
 
 impl Planner {
     /// All families.
@@ -110,7 +108,7 @@ impl Machine {
             Planner::JunctionDeviation => {
                 self.interpolator.junction = Junction::Deviation(GRBL_JUNCTION_DEVIATION_MM);
                 self.interpolator.arc_chords = ArcChords::Within(GRBL_CHORD_ERROR_MM);
-                self.interpolator.look_ahead = self.interpolator.look_ahead.min(GRBL_LOOK_AHEAD);
+                self.interpolator.look_ahead = self.interpolator.look_ahead.min(RING_LOOK_AHEAD);
                 self.interpolator.step_segment = GRBL_STEP_SEGMENT_S;
                 self.interpolator.step_timer = GRBL_STEP_TIMER_HZ;
             }
@@ -122,13 +120,13 @@ impl Machine {
             Planner::AxisStep => {
                 self.interpolator.junction = Junction::AxisStep(MARLIN_AXIS_STEP_MM_S);
                 self.interpolator.arc_chords = ArcChords::Long(MARLIN_CHORD_MM);
-                self.interpolator.look_ahead = self.interpolator.look_ahead.min(MARLIN_LOOK_AHEAD);
+                self.interpolator.look_ahead = self.interpolator.look_ahead.min(RING_LOOK_AHEAD);
             }
             Planner::ChordDeviation => {
                 self.interpolator.junction = Junction::Deviation(MARLIN_JUNCTION_DEVIATION_MM);
                 self.interpolator.short_blocks_are_chords = true;
                 self.interpolator.arc_chords = ArcChords::Long(MARLIN_CHORD_MM);
-                self.interpolator.look_ahead = self.interpolator.look_ahead.min(MARLIN_LOOK_AHEAD);
+                self.interpolator.look_ahead = self.interpolator.look_ahead.min(RING_LOOK_AHEAD);
             }
         }
     }

@@ -118,13 +118,11 @@ impl CornerTurn {
             | Junction::ExactPath => f64::INFINITY,
             Junction::Deviation(deviation) => {
                 let along_change = self.acceleration_along_change(machine);
-                let of_deviation = deviation * self.radius_of_deviation();
-                match machine.interpolator.short_blocks_are_chords {
-                    true => {
-                        (along_change.min(accelerations[1]) * of_deviation.min(self.radius_of_chord())).sqrt()
-                    }
-                    false => (along_change * of_deviation).sqrt(),
+                if machine.interpolator.short_blocks_are_chords {
+                    let radius = (deviation * self.radius_of_deviation()).min(self.radius_of_chord());
+                    return (along_change.min(accelerations[1]) * radius).sqrt();
                 }
+                (along_change * deviation * self.radius_of_deviation()).sqrt()
             }
             Junction::SquareCorner(velocity) => {
                 let of =
