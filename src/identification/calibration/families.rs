@@ -2,8 +2,9 @@
 //!
 //! Filters ramp in a constant time, whatever the step; planners that are limited in acceleration ramp in Δv/a. Each
 //! family of [`Planner`] has a separate law of corners ([`crate::simulation::feed::junction`]). The guesses of a
-//! family are the nearest with the accelerations that the ramps of the runs hold, the nearest of a grid of accelerations,
-//! the same for all axes, and values of its law of corners, and the nearest with an acceleration beside that. Rapids are as fast as their plateaus (`rapids`).
+//! family are the nearest with the accelerations that the ramps or the arcs of the runs hold, the nearest of a grid of
+//! accelerations, the same for all axes, and values of its law of corners, and the nearest with an acceleration beside that.
+//! Rapids are as fast as their plateaus (`rapids`).
 
 use crate::identification::calibration::held_accelerations::HeldAccelerations;
 use crate::identification::calibration::rapids::{RapidPlateaus, RapidRates, limit_feed_as_rapids};

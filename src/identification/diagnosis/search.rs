@@ -384,7 +384,11 @@ pub fn without_unnecessary(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::effects::{AXIS_VELOCITY_LIMIT, PATH_ACCELERATION_LIMIT, library};
+    use crate::identification::alignment::recorded;
+    use crate::identification::effects::{
+        AXIS_ACCELERATION_LIMIT, AXIS_VELOCITY_LIMIT, PATH_ACCELERATION_LIMIT, library,
+    };
+    use crate::machine::Planner;
 
     #[test]
     fn axes_of_one_effect_do_not_hide_another_effect() {
@@ -399,5 +403,23 @@ mod tests {
         let kept: Vec<_> = best_effects(sorted).iter().map(|own| own.hypothesis.effect).collect();
         assert_eq!(kept[..REFINED], [AXIS_VELOCITY_LIMIT; REFINED]);
         assert_eq!(kept[REFINED..], [PATH_ACCELERATION_LIMIT, FEED_OVERRIDE]);
+    }
+
+    /// Without filters, a limit before them is the limit after them.
+    #[test]
+    fn limits_that_make_the_same_motion_count_once() {
+        let mut believed = Machine::default();
+        believed.become_planner(Planner::JunctionDeviation, 900.0);
+        let mut truth = believed.clone();
+        truth.axes[0].acceleration = 600.0;
+        let (toolpath, alignment) = recorded("G1 F6000\nX40\nX0\nX40\nX0\n", &truth, 1e-4);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let of_x = |own: &Hypothesis| {
+            own.effect == AXIS_ACCELERATION_LIMIT && ["X", "X, before the filters"].contains(&&*own.variant)
+        };
+        let hypotheses: Vec<Hypothesis> = library(&believed, &runs).into_iter().filter(of_x).collect();
+        assert_eq!(hypotheses.len(), 2);
+        let found = screened(&believed, &Evidence::of(&runs, &believed), &hypotheses, &mut |_| {});
+        assert_eq!(found.len(), 1);
     }
 }
