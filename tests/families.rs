@@ -184,7 +184,7 @@ fn arcs_do_not_hide_the_acceleration_and_corners_of_a_planner_with_square_corner
     assert!((found.path.acceleration / 670.0 - 1.0).abs() < 0.01, "{} mm/s²", found.path.acceleration);
 }
 
-/// By the law of grbl, corners between lines that are a tenth of a millimetre long would be passed at full speed.
+/// By the law of grbl, the tool would pass the corners between short lines at full speed.
 #[test]
 fn short_blocks_are_passed_as_chords_of_an_arc() {
     let mut truth = believed();
@@ -213,7 +213,7 @@ fn small_circles_show_quintic_ramps() {
     assert!((acceleration / 1080.0 - 1.0).abs() < 0.01, "{acceleration} mm/s²");
 }
 
-/// Short lines along which the look-ahead limits the feedrate: it is that of a ring of 16 blocks, which keeps one free.
+/// The look-ahead limits the feedrate along short lines. The ring of 16 blocks keeps one free.
 #[test]
 fn a_run_that_the_look_ahead_limits_shows_steps_of_axis_velocities() {
     let mut truth = believed();
@@ -226,4 +226,14 @@ fn a_run_that_the_look_ahead_limits_shows_steps_of_axis_velocities() {
     };
     assert!((step / 2.5 - 1.0).abs() < 0.01, "{step} mm/s");
     assert_eq!(found.interpolator.look_ahead, 15.0);
+}
+
+/// Klipper's corners with Marlin's curves are no family.
+#[test]
+fn ramps_of_an_unknown_law_are_told() {
+    let mut truth = believed();
+    truth.become_planner(Planner::SquareCorner, 670.0);
+    truth.interpolator.quintic_ramps = true;
+    let found = calibrated(&rows(), &truth);
+    assert!(found.calibrated_on.misfit_of_unknown_law().is_some(), "{:?}", found.calibrated_on.ramp_misfit);
 }

@@ -16,7 +16,7 @@ pub enum Family {
     Grbl,
     Klipper,
     Marlin,
-    /// Marlin with a junction deviation, as it comes.
+    /// Marlin with a junction deviation, its default.
     MarlinDeviation,
     TinyG,
 }
@@ -73,19 +73,15 @@ impl Limits {
                 let deviation = rounded(random.log_uniform(0.004, 0.06));
                 self.settings = vec![("--junction-deviation".into(), deviation)];
             }
-            Family::Marlin => {
-                let step = rounded(random.log_uniform(1.0, 15.0));
-                let is_curved = if random.chance(0.5) { 1.0 } else { 0.0 };
-                self.settings = vec![("--corner-step".into(), step), ("--s-curve".into(), is_curved)];
-            }
-            Family::MarlinDeviation => {
-                let deviation = rounded(random.log_uniform(0.005, 0.08));
-                let is_curved = if random.chance(0.5) { 1.0 } else { 0.0 };
-                self.settings = vec![
-                    ("--junction-deviation".into(), deviation),
-                    ("--short-blocks".into(), 1.0),
-                    ("--s-curve".into(), is_curved),
-                ];
+            Family::Marlin | Family::MarlinDeviation => {
+                self.settings = match family {
+                    Family::Marlin => vec![("--corner-step".into(), rounded(random.log_uniform(1.0, 15.0)))],
+                    _ => vec![
+                        ("--junction-deviation".into(), rounded(random.log_uniform(0.005, 0.08))),
+                        ("--short-blocks".into(), 1.0),
+                    ],
+                };
+                self.settings.push(("--s-curve".into(), if random.chance(0.5) { 1.0 } else { 0.0 }));
             }
             Family::TinyG => {
                 let deviation = rounded(random.log_uniform(0.01, 0.1));

@@ -167,21 +167,15 @@ pub fn junction(before: &Block, after: &Block, settings: &Settings) -> f64 {
     }
     let along: [f64; 3] = std::array::from_fn(|axis| after.direction[axis] - before.direction[axis]);
     let size = along.iter().map(|part| part * part).sum::<f64>().sqrt();
-    let of_corner = limit_along(&along.map(|part| part / size), &settings.acceleration);
+    let mut acceleration = limit_along(&along.map(|part| part / size), &settings.acceleration);
+    if settings.has_short_blocks_as_chords {
+        acceleration = acceleration.min(after.along(&settings.acceleration));
+    }
     let half_sine = (0.5 * (1.0 - cos)).sqrt();
-    let squared_by =
-        |acceleration: f64| acceleration * settings.junction_deviation * half_sine / (1.0 - half_sine);
-    if !settings.has_short_blocks_as_chords {
-        return squared_by(of_corner);
-    }
-    let acceleration = of_corner.min(after.along(&settings.acceleration));
+    let of_deviation = acceleration * settings.junction_deviation * half_sine / (1.0 - half_sine);
     let turn = (-cos).acos();
-    let is_chord = after.length < 1.0 && turn < FRAC_PI_4;
-    if is_chord {
-        squared_by(acceleration).min(acceleration * after.length / turn)
-    } else {
-        squared_by(acceleration)
-    }
+    let is_chord = settings.has_short_blocks_as_chords && after.length < 1.0 && turn < FRAC_PI_4;
+    if is_chord { of_deviation.min(acceleration * after.length / turn) } else { of_deviation }
 }
 
 /// Cuts each block into segments of constant velocity, each longer by the error of the step timer.

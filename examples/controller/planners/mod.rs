@@ -1,5 +1,5 @@
-//! The planners of four controls, one of them with two laws of corners, which need no recorder. They follow the manuals and sources of grbl, Klipper, Marlin and
-//! TinyG and share no code with the predictor. `tests.rs` compares the first two with recordings of the real software.
+//! The planners of four controls, which need no recorder; Marlin's has two laws of corners. They follow the manuals and sources of
+//! grbl, Klipper, Marlin and TinyG and share no code with the predictor. `tests.rs` compares the first two with recordings of the real software.
 //! Marlin and TinyG were written to see how Truefeed judges a control whose law it does not have; both laws are among its
 //! families now.
 //!

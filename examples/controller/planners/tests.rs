@@ -209,7 +209,7 @@ fn steps_of_axis_velocities_and_quintic_ramps_are_found() {
     assert!(found.interpolator.quintic_ramps && misfit < MAX_RAMP_MISFIT, "{misfit}");
 }
 
-/// Marlin as it comes, with curves.
+/// Marlin's default corners, with curves.
 #[test]
 fn a_junction_deviation_of_marlin_is_found() {
     let truth = Settings {

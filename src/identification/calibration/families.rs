@@ -53,8 +53,8 @@ struct Guessing<'a> {
     held: HeldAccelerations,
 }
 
-/// Returns the machines of each family that are nearest to the runs, before any fit; of Marlin's two families only the
-/// nearest of each. `machine` is the machine before the calibration; `fitted` has the waits and the rapid feed
+/// Returns the machines of each family that are nearest to the runs, before any fit, and only the nearest one of each of Marlin's
+/// two families. `machine` is the machine before the calibration; `fitted` has the waits and the rapid feed
 /// that filters need. Acceleration blends are guessed with a contour tolerance, as the control may be started with one, and
 /// without.
 pub fn guesses(
@@ -67,14 +67,13 @@ pub fn guesses(
     let mut plain = fitted.clone();
     plain.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
     let guessing = Guessing { machine, fitted: &plain, runs, whitenings, plateaus, held };
-    let candidates = candidates(&plain, plateaus);
-    let of = |planner: Planner| {
-        let own = candidates.iter().filter(move |candidate| candidate.planner == planner);
-        own.flat_map(|candidate| guessing.of(*candidate)).collect::<Vec<Machine>>()
-    };
-    let guesses = |planner: Planner| match planner {
-        Planner::AxisStep | Planner::ChordDeviation => guessing.nearest(of(planner)).into_iter().collect(),
-        _ => of(planner),
+    let guesses = |planner: Planner| {
+        let all =
+            candidates(planner, &plain, plateaus).into_iter().flat_map(|candidate| guessing.of(candidate));
+        match planner {
+            Planner::AxisStep | Planner::ChordDeviation => guessing.nearest(all).into_iter().collect(),
+            _ => all.collect::<Vec<Machine>>(),
+        }
     };
     Planner::ALL.into_iter().flat_map(guesses).collect()
 }
@@ -185,28 +184,22 @@ pub fn with_junctions(planner: &Machine) -> Vec<Machine> {
     JUNCTION_RATIOS.iter().map(|ratio| planner.with_scaled_junction(*ratio)).collect()
 }
 
-/// Returns the families to be tried: blends with a contour tolerance and without, square corners with each cruise
+/// Returns the variants of a family to be tried: blends with a contour tolerance and without, square corners with each cruise
 /// ratio, and all also with limits of velocity if a limit may have held them back.
-fn candidates(plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<CandidateFamily> {
+fn candidates(planner: Planner, plain: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<CandidateFamily> {
     let mut candidates = Vec::new();
-    for planner in Planner::ALL {
-        let is_limited = plateaus.is_some_and(|seen| seen.limited_to_fastest(planner, plain).is_some());
-        let limits: &[bool] = if is_limited { &[false, true] } else { &[false] };
-        let (tolerances, ratios): (&[bool], &[f64]) = match planner {
-            Planner::AccelerationBlend => (&[false, true], &[0.0]),
-            Planner::JunctionDeviation | Planner::AxisStep | Planner::ChordDeviation => (&[false], &[0.0]),
-            Planner::SquareCorner => (&[false], &INITIAL_CRUISE_RATIOS),
-        };
-        for &is_limited in limits {
-            for &keeps_tolerance in tolerances {
-                let of = |&cruise_ratio: &f64| CandidateFamily {
-                    planner,
-                    keeps_tolerance,
-                    is_limited,
-                    cruise_ratio,
-                };
-                candidates.extend(ratios.iter().map(of));
-            }
+    let is_limited = plateaus.is_some_and(|seen| seen.limited_to_fastest(planner, plain).is_some());
+    let limits: &[bool] = if is_limited { &[false, true] } else { &[false] };
+    let (tolerances, ratios): (&[bool], &[f64]) = match planner {
+        Planner::AccelerationBlend => (&[false, true], &[0.0]),
+        Planner::JunctionDeviation | Planner::AxisStep | Planner::ChordDeviation => (&[false], &[0.0]),
+        Planner::SquareCorner => (&[false], &INITIAL_CRUISE_RATIOS),
+    };
+    for &is_limited in limits {
+        for &keeps_tolerance in tolerances {
+            let of =
+                |&cruise_ratio: &f64| CandidateFamily { planner, keeps_tolerance, is_limited, cruise_ratio };
+            candidates.extend(ratios.iter().map(of));
         }
     }
     candidates

@@ -75,14 +75,16 @@ impl Fitting<'_> {
     /// Returns a planner of Marlin with quintic ramps if these have the recorded shape and others have not. They take as long,
     /// but places within ramps are passed at other times, so all else is fitted again.
     fn with_quintic_ramps(&mut self, model: Model) -> Model {
-        if !families::is_of_marlin(&model.best.machine) || self.has_its_ramps(&model) {
+        if !families::is_of_marlin(&model.best.machine) {
+            return model;
+        }
+        let misfit = ramp_misfit(&model.best.machine, self.runs());
+        if misfit.is_within(MAX_MISFIT_OF_RIGHT_LAW) {
             return model;
         }
         let mut quintic = model.best.machine.clone();
         quintic.interpolator.quintic_ramps = true;
-        let misfits =
-            [&quintic, &model.best.machine].map(|machine| ramp_misfit(machine, self.runs()).of_path);
-        if misfits[1] < misfits[0] {
+        if misfit.of_path < ramp_misfit(&quintic, self.runs()).of_path {
             return model;
         }
         let (best, whitenings) = self.fit_at_own_noise(&quintic, 1, FTOL);
@@ -168,12 +170,15 @@ impl Fitting<'_> {
     fn is_nearer(&self, planner: &Model, earlier: &Model) -> bool {
         let [own, others] = [planner, earlier].map(|model| model.best.values.len());
         let is_same = is_same_family(&planner.best.machine, &earlier.best.machine);
-        let [cost, before] = self.costs(planner, earlier);
+        let costs_less = |by_far: bool| {
+            let [cost, before] = self.costs(planner, earlier);
+            cost < max_cost(before, by_far)
+        };
         if !self.can_distinguish(&planner.best.machine, &earlier.best.machine) {
-            return !is_same && (own < others || own == others && cost < max_cost(before, false));
+            return !is_same && (own < others || own == others && costs_less(false));
         }
         let blends = planner.best.machine.interpolator.junction.blends_in_time();
-        cost < max_cost(before, others < own || blends && is_same)
+        costs_less(others < own || blends && is_same)
     }
 
     /// Returns the costs of two models at the noise of the more likely one: at the noise of the other one, hardly anything

@@ -14,8 +14,7 @@ use crate::identification::diagnosis::evidence::Evidence;
 use crate::identification::diagnosis::gates::MIN_COST_REDUCTION;
 use crate::identification::diagnosis::rests::{Rest, rests};
 use crate::identification::effects::{
-    FEED_OVERRIDE, FEED_OVERRIDE_DEVIATION_RATIO, FROM_DISTANCE, FROM_LINE, Hypothesis, RATIO, TO_DISTANCE,
-    TO_LINE, free_feed_override,
+    FEED_OVERRIDE, FROM_DISTANCE, FROM_LINE, Hypothesis, RATIO, TO_DISTANCE, TO_LINE, free_feed_override,
 };
 use crate::identification::fit::{Run, golden_section};
 use crate::machine::{Machine, Overrides};
@@ -240,11 +239,14 @@ fn overridden(machine: &Machine, ratio: f64, span: (f64, f64)) -> Machine {
     machine
 }
 
-/// Returns the override ratio of least cost near a guess. Where other limits hold, a larger ratio changes nothing; of ratios
-/// that cost the same, the one nearest to that of the machine is returned.
+/// Returns the override ratio of least cost near a guess. Where other limits hold, a larger ratio changes nothing, so the
+/// distance from the expected override decides.
 fn best_ratio(machine: &Machine, evidence: &Evidence, guess: f64, span: (f64, f64)) -> f64 {
-    let turned = |ratio: f64| (ratio - machine.overrides.feed) / FEED_OVERRIDE_DEVIATION_RATIO;
-    let cost = |ratio: f64| evidence.cost(&overridden(machine, ratio, span)) + turned(ratio).powi(2);
+    let freed = free_feed_override(machine);
+    let cost = |ratio: f64| {
+        let apart = freed.from_expected(ratio).unwrap_or(0.0);
+        evidence.cost(&overridden(machine, ratio, span)) + apart.powi(2)
+    };
     let (low, high) = golden_section((0.85 * guess, 1.18 * guess), RATIO_SECTIONS, cost);
     0.5 * (low + high)
 }

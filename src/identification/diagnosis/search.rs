@@ -205,8 +205,8 @@ fn refined(
     refined
 }
 
-/// Returns the first [`REFINED`] of the sorted candidates, and the first of each of the first `REFINED` effects: several axes of
-/// one effect shall not hide another effect that parameters beside it make better.
+/// Returns the first [`REFINED`] of the sorted candidates, and the first candidate of each of the first `REFINED` effects. A fit
+/// with the parameters beside it may put an effect before several axes of another one.
 fn best_effects(sorted: Vec<Candidate>) -> Vec<Candidate> {
     let mut effects = Vec::new();
     let mut is_kept = |(place, candidate): &(usize, Candidate)| {

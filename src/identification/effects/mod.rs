@@ -29,7 +29,7 @@ mod table;
 mod waits;
 
 pub use effect::{Between, Context, Effect, Hypothesis, Nature, Origin, Row, Trace};
-pub use overrides::{FEED_OVERRIDE_DEVIATION_RATIO, free_feed_override};
+pub use overrides::free_feed_override;
 pub use report::{
     FROM_DISTANCE, FROM_LINE, Finding, LINE, Quantity, RATIO, Report, Reported, ReportedValue, SECONDS,
     TO_DISTANCE, TO_LINE, is_whole,

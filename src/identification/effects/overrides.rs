@@ -13,8 +13,9 @@ fn ratio(value: f64) -> Vec<(Quantity, Reported)> {
 /// Largest rapid override of a control, as a ratio: panels end at 100 %.
 const MAX_RAPID_OVERRIDE_RATIO: f64 = 1.0;
 
-/// Standard deviation of a feed override that a hypothesis expects, as a ratio: so large that it outweighs no observation.
-pub const FEED_OVERRIDE_DEVIATION_RATIO: f64 = 10.0;
+/// Standard deviation of the feed override that a hypothesis expects, as a ratio. It is so large that every observation outweighs
+/// it.
+const FEED_OVERRIDE_DEVIATION_RATIO: f64 = 10.0;
 
 pub fn feed(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let parts = [0.2, 0.4, 0.6, 0.75, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 1.25, 1.5];
@@ -22,8 +23,8 @@ pub fn feed(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     vec![Hypothesis::single(effect, free_feed_override(context.machine), trials, ratio)]
 }
 
-/// Returns the free feed override of a hypothesis. Where other limits hold, a larger override changes nothing; of those that
-/// explain as much, the one nearest to that of the machine is found.
+/// Returns the free feed override of a hypothesis, which expects the override of the machine. Where other limits hold, a larger
+/// override changes nothing, and only this expectation keeps a fit from the largest one.
 pub fn free_feed_override(machine: &Machine) -> FreeParameter {
     parameters::FEED_OVERRIDE.tried().expected(machine.overrides.feed, FEED_OVERRIDE_DEVIATION_RATIO)
 }

@@ -117,6 +117,11 @@ impl FreeParameter {
         FreeParameter { prior: Some((value, deviation)), ..self }
     }
 
+    /// Returns the distance of a value (core units) from the expected one, in standard deviations; `None` if no value is expected.
+    pub fn from_expected(&self, value: f64) -> Option<f64> {
+        self.prior.map(|(expected, deviation)| (value - expected) / deviation)
+    }
+
     /// Marks the parameter as counted in cycles of the control.
     pub fn counted_in_cycles(self) -> FreeParameter {
         FreeParameter { exactness: Exactness::Cycles, ..self }

@@ -87,10 +87,8 @@ impl FitProblem<'_> {
             .map(|(freed, varied)| freed.from_internal(*varied))
             .collect();
         let mut all = whitened(&with(self.machine, self.freed, &values), self.runs, self.whitenings);
-        let from_expected = |(freed, value): (&FreeParameter, &f64)| {
-            freed.prior.map(|(expected, deviation)| (value - expected) / deviation)
-        };
-        let priors: Vec<f64> = self.freed.iter().zip(&values).filter_map(from_expected).collect();
+        let pairs = self.freed.iter().zip(&values);
+        let priors: Vec<f64> = pairs.filter_map(|(freed, value)| freed.from_expected(*value)).collect();
         if !priors.is_empty() {
             all.push(priors);
         }

@@ -35,6 +35,6 @@ pub(super) const CURVES: [Parameter; 9] = [
         "interpolator.short_blocks_are_chords",
         "Short blocks as chords",
         flag[interpolator.short_blocks_are_chords],
-        "Where the path turns by less than 45° into a block below 1 mm, the speed is at most that of the arc whose chord the block is; corners have at most the acceleration of the block after them. As in Marlin with a junction deviation (JD_HANDLE_SMALL_SEGMENTS)."
+        "The speed into a block below 1 mm after a turn of less than 45° is at most that of an arc with this block as a chord, and the acceleration at a corner is at most that of the next block. As in Marlin with a junction deviation (JD_HANDLE_SMALL_SEGMENTS)."
     ),
 ];
