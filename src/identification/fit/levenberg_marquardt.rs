@@ -9,7 +9,16 @@
 //! there is no gain, λ rises and the step shortens. A parameter that the step pushes against its bound, or
 //! that affects no residual, is left out of the step.
 //!
-//! Source: Madsen, Nielsen and Tingleff 2004, Sect. 3.2; Marquardt 1963; Huber 1964.
+//! The derivatives J cost most of the search, so J follows an accepted step by the secant rule, with the sizes dᵢ of the
+//! columns of J as the units of the parameters:
+//!
+//! ```text
+//! J ← J + (ν(x + Δ) − ν(x) − JΔ) (D²Δ)ᵀ / (ΔᵀD²Δ),     D = diag(dᵢ)
+//! ```
+//!
+//! J is computed again where a step gains too little of the predicted gain, and before the search ends.
+//!
+//! Source: Madsen, Nielsen and Tingleff 2004, Sect. 3.2 and 3.5; Broyden 1965; Marquardt 1963; Huber 1964.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -50,6 +59,9 @@ pub struct Search {
     pub max_damping: f64,
     /// Most steps.
     pub max_steps: usize,
+    /// Least ratio of the gain of a step to the predicted one at which the derivatives follow the step by the secant rule;
+    /// infinite to compute them after every step.
+    pub min_secant_gain_ratio: f64,
 }
 
 /// The end of a search.
@@ -58,7 +70,7 @@ pub struct SearchMinimum {
     pub point: DVector<f64>,
     /// Residuals there, block by block.
     pub residuals: Vec<Vec<f64>>,
-    /// Derivatives there, block by block.
+    /// Derivatives there, or a step before it that gained next to nothing, block by block.
     pub jacobians: Vec<DMatrix<f64>>,
     /// Σ ρ of the residuals.
     pub cost: f64,
@@ -90,44 +102,100 @@ pub fn minimise(
     let mut point = start;
     let mut residuals = problem.residuals(&point).expect("the search begins where there are residuals");
     let mut least: f64 = cost(&residuals);
-    let mut jacobians = Vec::new();
+    let mut slopes = Slopes::new(problem.jacobians(&point, &residuals, &[]));
     let mut damping = search.damping;
     let mut converged = point.is_empty();
-    let mut moved = true;
     for step in 0..search.max_steps {
-        progress(step as f64 / search.max_steps as f64);
-        if moved {
-            jacobians = problem.jacobians(&point, &residuals, &jacobians);
-        }
         if converged {
             break;
         }
+        progress(step as f64 / search.max_steps as f64);
+        slopes.compute_if_outdated(problem, &point, &residuals);
         // If a parameter affects few residuals, the equations need damping to have a solution.
         let Some((next, foretold)) =
-            damped_step(problem, &point, &residuals, &jacobians, damping, search.huber)
+            damped_step(problem, &point, &residuals, &slopes.current, damping, search.huber)
         else {
             damping *= 10.0;
-            moved = false;
             continue;
         };
         let there = problem.residuals(&next);
         let cost_there = there.as_ref().map_or(f64::INFINITY, |there| cost(there));
-        moved = cost_there < least;
-        if let Some(there) = there.filter(|_| moved) {
+        if let Some(there) = there.filter(|_| cost_there < least) {
             let gain = least - cost_there;
-            converged = gain < search.ftol * least + search.atol;
+            let is_last = gain < search.ftol * least + search.atol;
+            converged = is_last && slopes.source == SlopesSource::Computed;
+            if !is_last && search.min_secant_gain_ratio * foretold <= gain {
+                slopes.follow(&(&next - &point), &residuals, &there);
+            } else if !converged {
+                slopes.source = SlopesSource::Outdated;
+            }
             (point, residuals, least) = (next, there, cost_there);
             damping = (damping * (1.0 - (2.0 * gain / foretold - 1.0).powi(3)).clamp(0.2, 2.0)).max(1e-9);
-        } else {
+        } else if slopes.source == SlopesSource::Computed {
             damping *= 8.0;
             converged = search.max_damping < damping;
+        } else {
+            slopes.source = SlopesSource::Outdated;
         }
     }
-    if jacobians.is_empty() || moved {
-        jacobians = problem.jacobians(&point, &residuals, &jacobians);
+    if slopes.source == SlopesSource::Followed {
+        slopes.source = SlopesSource::Outdated;
     }
+    slopes.compute_if_outdated(problem, &point, &residuals);
     progress(1.0);
-    SearchMinimum { point, residuals, jacobians, cost: least, converged }
+    SearchMinimum { point, residuals, jacobians: slopes.current, cost: least, converged }
+}
+
+/// The derivatives of a search, block by block.
+struct Slopes {
+    current: Vec<DMatrix<f64>>,
+    /// The derivatives as they were computed last.
+    computed: Vec<DMatrix<f64>>,
+    source: SlopesSource,
+}
+
+/// The source of the current derivatives.
+#[derive(PartialEq)]
+enum SlopesSource {
+    /// They were computed at the point of the search.
+    Computed,
+    /// They have followed a step by the secant rule.
+    Followed,
+    /// They are to be computed again.
+    Outdated,
+}
+
+impl Slopes {
+    fn new(computed: Vec<DMatrix<f64>>) -> Slopes {
+        Slopes { current: computed.clone(), computed, source: SlopesSource::Computed }
+    }
+
+    /// Computes outdated derivatives again, at this point.
+    fn compute_if_outdated(&mut self, problem: &impl Problem, point: &DVector<f64>, residuals: &[Vec<f64>]) {
+        if self.source == SlopesSource::Outdated {
+            *self = Slopes::new(problem.jacobians(point, residuals, &self.computed));
+        }
+    }
+
+    /// Follows a step from one point to another by the secant rule.
+    fn follow(&mut self, step: &DVector<f64>, before: &[Vec<f64>], after: &[Vec<f64>]) {
+        let squares = |own: &DMatrix<f64>| {
+            DVector::from_iterator(step.len(), own.column_iter().map(|column| column.norm_squared()))
+        };
+        let sizes = self.current.iter().map(squares).fold(DVector::zeros(step.len()), |sum, own| sum + own);
+        let scaled = sizes.component_mul(step);
+        let length = scaled.dot(step);
+        if length <= 0.0 {
+            self.source = SlopesSource::Outdated;
+            return;
+        }
+        for ((own, before), after) in self.current.iter_mut().zip(before).zip(after) {
+            let foretold = &*own * step;
+            let missing = DVector::from_fn(own.nrows(), |row, _| after[row] - before[row] - foretold[row]);
+            own.ger(1.0 / length, &missing, &scaled, 1.0);
+        }
+        self.source = SlopesSource::Followed;
+    }
 }
 
 /// Returns the point after the damped step, and the predicted decrease of the cost for linear residuals;
@@ -166,4 +234,92 @@ fn damped_step(
     let step = &next - point;
     let foretold = step.dot(&(2.0 * downhill - normal * &step));
     next.iter().all(|value| value.is_finite()).then_some((next, foretold))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+
+    /// Samples of b·exp(−a·t), of which a and b are sought; counts how often the derivatives are computed.
+    #[derive(Default)]
+    struct Decay {
+        computed: Cell<usize>,
+    }
+
+    const TRUE_RATE: f64 = 0.7;
+    const TRUE_HEIGHT: f64 = 3.0;
+
+    fn height(rate: f64, height: f64, time: f64) -> f64 {
+        height * (-rate * time).exp()
+    }
+
+    fn times() -> impl Iterator<Item = f64> {
+        (0..40).map(|row| 0.1 * f64::from(row))
+    }
+
+    impl Problem for Decay {
+        fn residuals(&self, point: &DVector<f64>) -> Option<Vec<Vec<f64>>> {
+            let of = |time: f64| height(point[0], point[1], time) - height(TRUE_RATE, TRUE_HEIGHT, time);
+            Some(vec![times().map(of).collect()])
+        }
+
+        fn jacobians(&self, point: &DVector<f64>, _: &[Vec<f64>], _: &[DMatrix<f64>]) -> Vec<DMatrix<f64>> {
+            self.computed.set(self.computed.get() + 1);
+            let rows: Vec<f64> = times().collect();
+            let of = |row: usize, column: usize| match column {
+                0 => -rows[row] * height(point[0], point[1], rows[row]),
+                _ => height(point[0], 1.0, rows[row]),
+            };
+            vec![DMatrix::from_fn(rows.len(), 2, of)]
+        }
+
+        fn after_step(&self, point: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
+            point + step
+        }
+
+        fn is_at_bound(&self, _: &DVector<f64>, _: usize, _: f64) -> bool {
+            false
+        }
+    }
+
+    const SEARCH: Search = Search {
+        huber: f64::INFINITY,
+        ftol: 1e-9,
+        atol: 1e-18,
+        damping: 1e-2,
+        max_damping: 1e6,
+        max_steps: 60,
+        min_secant_gain_ratio: 0.25,
+    };
+
+    #[test]
+    fn a_search_finds_the_minimum_and_seldom_computes_derivatives() {
+        let (problem, steps) = (Decay::default(), Cell::new(0));
+        let start = DVector::from_vec(vec![0.2, 1.0]);
+        let found = minimise(&problem, start, SEARCH, &mut |_| steps.set(steps.get() + 1));
+        assert!(found.converged);
+        assert!((found.point[0] - TRUE_RATE).abs() < 1e-6, "{}", found.point);
+        assert!((found.point[1] - TRUE_HEIGHT).abs() < 1e-6, "{}", found.point);
+        let computed = problem.computed.get();
+        assert!(2 * computed <= steps.get(), "{computed} in {} steps", steps.get());
+    }
+
+    #[test]
+    fn derivatives_that_follow_a_step_foretell_it() {
+        let problem = Decay::default();
+        let [from, to] = [[0.2, 1.0], [0.5, 2.5]].map(|point| DVector::from_row_slice(&point));
+        let [before, after] = [&from, &to].map(|point| problem.residuals(point).expect("they are defined"));
+        let mut slopes = Slopes::new(problem.jacobians(&from, &before, &[]));
+        let step = &to - &from;
+        let misses = |slopes: &Slopes| {
+            let foretold = &slopes.current[0] * &step;
+            let pairs = before[0].iter().zip(&after[0]).zip(foretold.iter());
+            pairs.map(|((before, after), own)| (after - before - own).abs()).fold(0.0, f64::max)
+        };
+        assert!(0.1 < misses(&slopes));
+        slopes.follow(&step, &before, &after);
+        assert!(misses(&slopes) < 1e-12);
+    }
 }

@@ -13,6 +13,8 @@ const HUBER_THRESHOLD: f64 = 2.0;
 const ATOL: f64 = 0.02;
 /// Most steps.
 const MAX_STEPS: usize = 25;
+/// Least ratio of the gain of a step to the predicted one at which the derivatives follow the step.
+const MIN_SECANT_GAIN_RATIO: f64 = 0.25;
 /// Longest step of the logarithm of a value: the model is nearly linear over it.
 const MAX_RATIO_STEP: f64 = 0.7;
 
@@ -44,6 +46,7 @@ pub fn minimise(
         damping: 1e-2,
         max_damping: 1e6,
         max_steps: MAX_STEPS,
+        min_secant_gain_ratio: MIN_SECANT_GAIN_RATIO,
     };
     levenberg_marquardt::minimise(&problem, problem.start(), search, progress)
 }

@@ -6,9 +6,16 @@ use crate::identification::fit::inverse;
 use crate::identification::fit::levenberg_marquardt::{self, Problem, Search};
 use crate::identification::step::response::Response;
 
-/// A search with plain squares that ends when gains are only rounding.
-const SEARCH: Search =
-    Search { huber: f64::INFINITY, ftol: 1e-12, atol: 0.0, damping: 1e-3, max_damping: 1e12, max_steps: 300 };
+/// A search with plain squares that ends when gains are only rounding; its derivatives are formulas.
+const SEARCH: Search = Search {
+    huber: f64::INFINITY,
+    ftol: 1e-12,
+    atol: 0.0,
+    damping: 1e-3,
+    max_damping: 1e12,
+    max_steps: 300,
+    min_secant_gain_ratio: f64::INFINITY,
+};
 
 /// The end of the search.
 pub struct Minimum {
