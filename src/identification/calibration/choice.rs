@@ -31,11 +31,11 @@ pub struct Fitting<'a> {
     /// The machine before the calibration.
     pub machine: &'a Machine,
     /// Runs of the calibration.
-    whole: &'a [Run<'a>],
+    pub whole: &'a [Run<'a>],
     /// Excerpts of the runs, if the fits see only these.
-    parts: Option<&'a [Run<'a>]>,
+    pub parts: Option<&'a [Run<'a>]>,
     /// The waits to be fitted, each with its value before the calibration.
-    waits: Vec<(FreeParameter, f64)>,
+    pub waits: Vec<(FreeParameter, f64)>,
     pub plateaus: Option<RapidPlateaus>,
     /// The accelerations that the runs hold.
     pub held: HeldAccelerations,

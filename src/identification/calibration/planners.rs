@@ -5,10 +5,11 @@
 
 use crate::identification::calibration::choice::{Fitting, Model};
 use crate::identification::calibration::{
-    BETTER_FAMILY, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, families, jerk_limits, largest_shift,
+    BETTER_FAMILY, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, Share, families, jerk_limits, largest_shift,
 };
 use crate::identification::fit::{FTOL, Whitening, cost_of, ramp_misfit};
 use crate::machine::Machine;
+use crate::side_by_side::side_by_side;
 use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 
 /// Least shift of any moment of the runs that distinguishes two planners, s. Simulated planners are not more exact than a
@@ -32,21 +33,9 @@ impl Fitting<'_> {
             &model.whitenings,
             (self.plateaus, self.held),
         );
-        self.share.part = PLANNERS_SHARE / (starts.len().max(1) * MAX_NOISE_ROUNDS) as f64;
-        let mut of_families: Vec<Model> = Vec::new();
-        for start in &starts {
-            let family = of_families.iter().position(|model| is_same_family(&model.best.machine, start));
-            // The runs cannot contradict a fit whose cost is so low, so another fit of its family cannot replace it.
-            if family.is_some_and(|at| of_families[at].best.cost < MIN_CONTRADICTING_COST) {
-                continue;
-            }
-            let next = self.planner(start);
-            match family {
-                Some(at) if self.is_nearer(&next, &of_families[at]) => of_families[at] = next,
-                Some(_) => {}
-                None => of_families.push(next),
-            }
-        }
+        self.share.part = PLANNERS_SHARE / starts.len().max(1) as f64;
+        let of_families = self.fitted_families(&starts);
+        self.share.part /= MAX_NOISE_ROUNDS as f64;
         let Some(planner) = self.chosen_planner(of_families) else { return };
         let [own, with_filters] = self.costs(&planner, model);
         // Filters shorter than a cycle of the control shape no ramp, so the control is a planner; neither do filters whose
@@ -59,6 +48,53 @@ impl Fitting<'_> {
         {
             *model = planner;
         }
+    }
+
+    /// Returns the nearest planner of each family of these starts.
+    fn fitted_families(&mut self, starts: &[Machine]) -> Vec<Model> {
+        let mut firsts: Vec<&Machine> = Vec::new();
+        let mut further: Vec<(usize, &Machine)> = Vec::new();
+        for start in starts {
+            match firsts.iter().position(|first| is_same_family(first, start)) {
+                Some(family) => further.push((family, start)),
+                None => firsts.push(start),
+            }
+        }
+        let mut of_families = self.planners(&firsts);
+        // The runs cannot contradict a fit whose cost is so low, so another fit of its family cannot replace it.
+        let is_settled = |family: &Model| {
+            family.best.cost < MIN_CONTRADICTING_COST || self.is_ruled_out(family, &of_families)
+        };
+        let are_settled: Vec<bool> = of_families.iter().map(is_settled).collect();
+        further.retain(|(family, _)| !are_settled[*family]);
+        let others = self.planners(&further.iter().map(|(_, start)| *start).collect::<Vec<_>>());
+        for ((family, _), next) in further.into_iter().zip(others) {
+            if self.is_nearer(&next, &of_families[family]) {
+                of_families[family] = next;
+            }
+        }
+        of_families
+    }
+
+    /// Returns the planners fitted from some starts, side by side.
+    fn planners(&mut self, starts: &[&Machine]) -> Vec<Model> {
+        let Fitting { machine, whole, parts, ref waits, plateaus, held, ref mut share } = *self;
+        let fitted = |at: usize| {
+            let share = Share { done: 0.0, part: 0.0, progress: &mut |_| {} };
+            let waits = waits.clone();
+            Fitting { machine, whole, parts, waits, plateaus, held, share }.planner(starts[at])
+        };
+        let (done, all) = (share.done, share.part * starts.len() as f64);
+        share.done += all;
+        side_by_side(starts.len(), fitted, &mut |part| (share.progress)((done + part * all).min(1.0)))
+    }
+
+    /// Returns `true` if no other start of a family can bring it nearer to the runs than the nearest one: its first fit began at the
+    /// accelerations that the ramps hold, and yet its ramps do not have the recorded shape, while those of a planner that
+    /// is nearer by far have.
+    fn is_ruled_out(&self, family: &Model, all: &[Model]) -> bool {
+        let is_right = |other: &Model| self.has_its_ramps(other) && self.is_nearer_by_far(other, family);
+        self.held.shows_ramps() && !self.has_recorded_ramps(family) && all.iter().any(is_right)
     }
 
     /// Returns the planner fitted from a start.
@@ -240,8 +276,12 @@ mod tests {
     use crate::identification::alignment::recorded;
     use crate::identification::calibration::compared;
     use crate::identification::effects::parameters::MINIMUM_CRUISE_RATIO;
-    use crate::identification::fit::{FreeParameter, Run};
+    use crate::identification::fit::{AlignedRun, FreeParameter, Run};
     use crate::machine::Planner;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::profile::Profile;
+    use crate::simulation::simulate;
 
     #[test]
     fn a_fit_that_takes_a_law_away_goes_on_without_its_parameter() {
@@ -328,5 +368,35 @@ mod tests {
         let found = accelerations(&model);
         assert!(found[..2].iter().all(|own| (own / 1560.0 - 1.0).abs() < 1e-3), "{found:?}");
         assert!(1.2 < model.best.machine.interpolator.max_override);
+    }
+
+    #[test]
+    fn a_family_whose_ramps_are_wrong_at_the_held_accelerations_is_ruled_out_by_one_whose_ramps_are_right() {
+        let mut truth = Machine::default();
+        truth.become_planner(Planner::JunctionDeviation, 400.0);
+        let program = format!("G1 F6000\n{}", "X80\nX0\n".repeat(6));
+        let toolpath = trace(&read(program.as_bytes()), &truth);
+        let plan = simulate(&toolpath, &truth);
+        let profile = Profile::new(&toolpath, &plan);
+        let rows = (0..=(100.0 * profile.cycle_time()) as usize).map(|row| {
+            let at = profile.at_time(0.01 * row as f64).position;
+            format!("{:.2},{:.4},0,0\n", 0.01 * row as f64, at.x)
+        });
+        let csv = format!("t_s,x_mm,y_mm,z_mm\n{}", rows.collect::<String>());
+        let aligned = AlignedRun::new(toolpath, csv.as_bytes(), &truth).expect("it is of this program");
+        let runs = [aligned.run()];
+        let mut progress = |_| {};
+        let (mut fitting, _) = Fitting::new(&truth, &runs, &compared(&truth, &runs), &mut progress);
+        assert!(fitting.held.shows_ramps());
+        let mut model = || {
+            let (best, whitenings) = fitting.fit_at_own_noise(&truth, 1, FTOL);
+            Model { best, whitenings, order: 1 }
+        };
+        let (right, mut wrong) = (model(), model());
+        wrong.best.machine = wrong.best.machine.with_scaled_accelerations(0.7);
+        let both = [right, wrong];
+        assert!(fitting.is_ruled_out(&both[1], &both));
+        assert!(!fitting.is_ruled_out(&both[0], &both));
+        assert!(!fitting.is_ruled_out(&both[1], &both[1..]), "nothing is nearer");
     }
 }

@@ -14,7 +14,7 @@
 //! where a calibration has measured what it leaves by itself.
 
 use crate::identification::comparison::{ContourDeviation, TYPICAL_PARTS, compare};
-use crate::identification::diagnosis::evidence::Candidate;
+use crate::identification::diagnosis::evidence::{Candidate, Looked, with_all};
 use crate::identification::diagnosis::standing::{MAX_UNEXPLAINED_RATIO, Standing};
 use crate::identification::diagnosis::{Cause, regions};
 use crate::identification::effects::{Hypothesis, Trace};
@@ -126,6 +126,16 @@ pub struct Explained {
 }
 
 impl Explained {
+    /// Returns the causes with the form errors of other contour deviations; no causes if they remove too little of these.
+    fn on(self, measure: FormMeasure, forms: &[ContourDeviation], machine: &Machine) -> Explained {
+        if self.causes.is_empty() {
+            return self;
+        }
+        let [before, after] = [machine, &with_all(machine, &self.causes)].map(|own| measure.of(forms, own));
+        let causes = if after <= (1.0 - WORTH) * before { self.causes } else { Vec::new() };
+        Explained { causes, before, after }
+    }
+
     /// Returns the drives as causes, each with the form error that all of them remove, and with the part of the squared
     /// form error that this is as its confidence.
     pub fn as_causes(&self, runs: &[Run]) -> impl Iterator<Item = Cause> {
@@ -195,30 +205,44 @@ impl Forms {
 
     /// Returns the causes of form on a machine whose motion is commanded alike, at most one of each id: if `whole`, causes
     /// that explain the form error whole, with the simulated times unchanged; otherwise causes that remove much of it, in
-    /// step with the recording. The result is empty if there are none.
+    /// step with the recording. The result is empty if there are none. The causes of a long run are searched in excerpts of it,
+    /// and their errors are those of the whole run.
     pub fn explained(
         &self,
         machine: &Machine,
-        runs: &[Run],
+        looked: &Looked,
         library: &[Hypothesis],
         whole: bool,
     ) -> Explained {
-        let forms = if whole { &self.on_time } else { &self.in_step };
-        if forms.is_empty() || Standing::of(machine) == Standing::Misses {
+        if self.on_time.is_empty() || Standing::of(machine) == Standing::Misses {
             return Explained::default();
         }
+        let of_parts = looked.in_parts.then(|| Forms::of(machine, looked.runs));
+        let searched = |measure: FormMeasure, floor: f64| match &of_parts {
+            Some(parts) => searched(measure, machine, parts.compared(whole), library, floor).on(
+                measure,
+                self.compared(whole),
+                machine,
+            ),
+            None => searched(measure, machine, self.compared(whole), library, floor),
+        };
         if whole {
-            let floor = floor(runs, (WHOLE_DEVIATIONS, WHOLE_MM));
-            let found = searched(FormMeasure::RootMeanSquare, machine, forms, library, floor);
+            let floor = floor(looked.whole, (WHOLE_DEVIATIONS, WHOLE_MM));
+            let found = searched(FormMeasure::RootMeanSquare, floor);
             let is_whole = found.after <= floor && found.after <= 0.5 * found.before;
             return if is_whole { found } else { Explained::default() };
         }
-        let floor = floor(runs, (SEARCHED_DEVIATIONS, SEARCHED_MM));
-        let found = searched(FormMeasure::RootMeanSquare, machine, forms, library, floor);
+        let floor = floor(looked.whole, (SEARCHED_DEVIATIONS, SEARCHED_MM));
+        let found = searched(FormMeasure::RootMeanSquare, floor);
         if found.causes.is_empty() && machine.typical_form_error.is_some() {
-            return searched(FormMeasure::Typical, machine, forms, library, floor);
+            return searched(FormMeasure::Typical, floor);
         }
         found
+    }
+
+    /// Returns the contour deviations with the simulated times unchanged if `on_time`, otherwise in step with the recordings.
+    fn compared(&self, on_time: bool) -> &[ContourDeviation] {
+        if on_time { &self.on_time } else { &self.in_step }
     }
 }
 
@@ -348,4 +372,71 @@ fn refined(
     });
     let deviations = deviations.collect();
     Candidate { hypothesis: hypothesis.clone(), values, deviations, cost: least, beside: Vec::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+
+    use super::*;
+    use crate::identification::calibration::{DIAGNOSIS_WINDOWS_S, Excerpt, excerpts};
+    use crate::identification::effects::{SERVO_LAG, library};
+    use crate::identification::fit::AlignedRun;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::profile::Profile;
+    use crate::simulation::simulate;
+
+    /// Time between the rows of the recording, s.
+    const ROW_S: f64 = 0.01;
+    /// Lag of the recorded X axis behind its command, s.
+    const LAG_S: f64 = 0.03;
+
+    /// Calls `test` with a run that is long enough to be searched in excerpts; X lags until a part of its time.
+    fn on_long_run(lags_until: f64, test: impl FnOnce(&Machine, &Looked)) {
+        let machine = Machine::default();
+        let program = format!("G1 F3000\n{}", "X40\nY30\nX0\nY0\n".repeat(100));
+        let toolpath = trace(&read(program.as_bytes()), &machine);
+        let plan = simulate(&toolpath, &machine);
+        let profile = Profile::new(&toolpath, &plan);
+        let mut csv = "t_s,x_mm,y_mm,z_mm\n".to_string();
+        let mut x = 0.0;
+        for row in 0..=(profile.cycle_time() / ROW_S) as usize {
+            let time = ROW_S * row as f64;
+            let at = profile.at_time(time).position;
+            let lags = time < lags_until * profile.cycle_time();
+            x = if lags { at.x + (x - at.x) * (-ROW_S / LAG_S).exp() } else { at.x };
+            writeln!(csv, "{time:.2},{x:.4},{:.4},{:.4}", at.y, at.z).expect("text grows");
+        }
+        let aligned = AlignedRun::new(toolpath, csv.as_bytes(), &machine).expect("it is of this program");
+        let whole = [aligned.run()];
+        let excerpts = excerpts(&whole, DIAGNOSIS_WINDOWS_S).expect("the run is long");
+        let parts: Vec<Run> = excerpts.iter().flatten().map(Excerpt::run).collect();
+        test(&machine, &Looked { runs: &parts, whole: &whole, in_parts: true });
+    }
+
+    #[test]
+    fn a_lag_is_found_in_excerpts_of_a_long_run() {
+        on_long_run(1.0, |machine, looked| {
+            let all = library(machine, looked.whole);
+            let found = Forms::of(machine, looked.whole).explained(machine, looked, &all, false);
+            let [cause] = &found.causes[..] else { panic!("{:?}", found.causes) };
+            assert_eq!(cause.hypothesis.effect, SERVO_LAG);
+            assert!((cause.values[0] / LAG_S - 1.0).abs() < 0.2, "{} s", cause.values[0]);
+            assert!(found.after < 0.5 * found.before, "{} → {} mm", found.before, found.after);
+        });
+    }
+
+    #[test]
+    fn a_cause_of_excerpts_has_the_form_errors_of_the_whole_run() {
+        on_long_run(0.1, |machine, looked| {
+            let all = library(machine, looked.whole);
+            let lag = all.into_iter().find(|own| own.effect == SERVO_LAG && own.variant.contains('X'));
+            let cause = Candidate::read_off(lag.expect("X may lag"), LAG_S, f64::NAN);
+            let of_parts = Explained { causes: vec![cause], before: 1.0, after: 0.1 };
+            let forms = Forms::of(machine, looked.whole);
+            let found = of_parts.on(FormMeasure::RootMeanSquare, &forms.in_step, machine);
+            assert!(found.causes.is_empty(), "{} → {} mm", found.before, found.after);
+        });
+    }
 }

@@ -5,7 +5,6 @@
 //! added up place by place. If a single limit or setting leaves too much, the search names another one that passes every
 //! test and leaves little, and counts the first one as alike.
 
-use crate::identification::calibration::{DIAGNOSIS_WINDOWS_S, Excerpt, excerpts};
 use crate::identification::diagnosis::acceptance::id_beside;
 use crate::identification::diagnosis::cause::{AcceptedCause, candidates};
 use crate::identification::diagnosis::confidence::weighed;
@@ -33,8 +32,6 @@ pub struct InTime {
     pub read_off: Vec<AcceptedCause>,
     /// Causes whose values were fitted.
     pub named: Vec<AcceptedCause>,
-    /// Excerpts of the runs in which the search looked for causes; `None` if no run is long.
-    pub excerpts: Option<Vec<Vec<Excerpt>>>,
     /// Pulsation of the feedrate that the causes leave.
     pub pulsation: Option<Pulsation>,
     /// Message that limits or settings would explain the runs, but the control has another law than the machine file;
@@ -47,19 +44,15 @@ impl InTime {
     /// wrong family: no cause turns one family into another.
     pub fn searched(
         start: &Machine,
-        runs: &[Run],
+        looked: &Looked,
         library: &mut Vec<Hypothesis>,
         is_of_other_family: &mut FamilyCheck,
         progress: &mut dyn FnMut(f64),
     ) -> InTime {
-        let excerpts = excerpts(runs, DIAGNOSIS_WINDOWS_S);
-        let parts: Option<Vec<Run>> =
-            excerpts.as_ref().map(|excerpts| excerpts.iter().flatten().map(Excerpt::run).collect());
-        let looked =
-            Looked { runs: parts.as_deref().unwrap_or(runs), whole: runs, in_parts: parts.is_some() };
-        let (read_off, first) = read_off::read_off(start, &looked, library);
+        let runs = looked.whole;
+        let (read_off, first) = read_off::read_off(start, looked, library);
         let base = with_all(start, &candidates(&read_off));
-        let mut search = CauseSearch { start, base: &base, looked: &looked, first: &first, progress };
+        let mut search = CauseSearch { start, base: &base, looked, first: &first, progress };
         let mut named = search.causes(library, is_of_other_family);
         // What a search finds beside a pace that pulsates, and goes on to, is a part of that.
         let seen = |machine: &Machine| Pulsation::seen(&compared(machine, runs), runs);
@@ -75,7 +68,7 @@ impl InTime {
             None => search.believable(library, named),
         };
         let doubt_of_law = doubt_of_law.filter(|_| named.len() < found);
-        InTime { named: weighed(&base, runs, named), read_off, excerpts, pulsation, doubt_of_law }
+        InTime { named: weighed(&base, runs, named), read_off, pulsation, doubt_of_law }
     }
 
     /// Returns `true` if there is no cause.

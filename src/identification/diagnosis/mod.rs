@@ -45,10 +45,10 @@ pub use pulsation::Pulsation;
 pub use regions::{Region, regions};
 pub use rests::feed_holds;
 
-use crate::identification::calibration::calibrate;
+use crate::identification::calibration::{DIAGNOSIS_WINDOWS_S, Excerpt, calibrate, excerpts};
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::diagnosis::cause::candidates;
-use crate::identification::diagnosis::evidence::with_all;
+use crate::identification::diagnosis::evidence::{Looked, with_all};
 use crate::identification::diagnosis::form::Forms;
 use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::in_time::InTime;
@@ -259,13 +259,17 @@ fn diagnose_as_it_is(
     let not_excited = not_excited(&library);
     // Drives come first where they explain the form of the path whole: they also blur its times. At times as they
     // are, no time is missing then either.
+    let excerpts = excerpts(runs, DIAGNOSIS_WINDOWS_S);
+    let parts: Option<Vec<Run>> =
+        excerpts.as_ref().map(|excerpts| excerpts.iter().flatten().map(Excerpt::run).collect());
+    let looked = Looked { runs: parts.as_deref().unwrap_or(runs), whole: runs, in_parts: parts.is_some() };
     let forms = Forms::of(machine, runs);
-    let mut drives = forms.explained(machine, runs, &library, true);
+    let mut drives = forms.explained(machine, &looked, &library, true);
     let start = with_all(machine, &drives.causes);
     progress(0.1);
     let is_in_time = drives.causes.is_empty();
     let in_time = match is_in_time {
-        true => InTime::searched(&start, runs, &mut library, is_of_other_family, &mut |part| {
+        true => InTime::searched(&start, &looked, &mut library, is_of_other_family, &mut |part| {
             progress(0.1 + 0.7 * part)
         }),
         false => InTime::default(),
@@ -277,7 +281,7 @@ fn diagnose_as_it_is(
     let forms_with_time = other_forms.as_ref().unwrap_or(&forms);
     // What is left of the time has moved the path as well, and a drive would only imitate that.
     if is_in_time && !model_error::leaves_much(machine, &with_time, runs, !in_time.is_empty()) {
-        drives = forms_with_time.explained(&with_time, runs, &library, false);
+        drives = forms_with_time.explained(&with_time, &looked, &library, false);
     }
     let fitted = with_all(&with_time, &drives.causes);
     progress(0.9);
@@ -294,7 +298,7 @@ fn diagnose_as_it_is(
     let pulsation = in_time.pulsation;
     let left = Left::of(machine, (regions::left(&before, &regions, runs), asked), pulsation, &after)
         .with_form(form.is_some_and(|(_, after)| form::is_seen(after, runs)));
-    let held_out = match &in_time.excerpts {
+    let held_out = match &excerpts {
         Some(excerpts) if !in_time.is_empty() => crossed::outside(machine, &fitted, runs, excerpts),
         Some(_) => None,
         None => {
