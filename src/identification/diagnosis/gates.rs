@@ -7,7 +7,9 @@
 
 use std::ops::Range;
 
+use crate::identification::alignment::Mark;
 use crate::identification::diagnosis::evidence::{Candidate, Evidence};
+use crate::identification::effects::FEED_OVERRIDE;
 use crate::identification::fit::{Run, cost, held_out_blocks};
 use crate::machine::Machine;
 
@@ -60,25 +62,62 @@ pub fn price(runs: &[Run], parameters: usize) -> f64 {
     MIN_COST_REDUCTION + parameters as f64 * (sections(runs) as f64).ln()
 }
 
-/// Returns contiguous index ranges of `count` residuals, about as many as `sections`.
-fn cut(count: usize, sections: usize) -> Vec<Range<usize>> {
-    let length = count.div_ceil(sections).max(1);
-    (0..count).step_by(length).map(|first| first..(first + length).min(count)).collect()
+/// Returns contiguous parts of a range of residuals, about as many as `sections`.
+fn cut(residuals: Range<usize>, sections: usize) -> Vec<Range<usize>> {
+    let length = residuals.len().div_ceil(sections).max(1);
+    let end = residuals.end;
+    residuals.step_by(length).map(|first| first..(first + length).min(end)).collect()
+}
+
+/// Returns the range of the marks of each run on the part of the path on which a cause is an override; `None` if it is not an
+/// override on a part of the path.
+fn marks_of_override(cause: &Candidate, base: &Machine, runs: &[Run]) -> Option<Vec<Range<usize>>> {
+    let overrides = cause.hypothesis.machine(base, &cause.values).overrides;
+    if cause.hypothesis.effect != FEED_OVERRIDE || !overrides.has_span() {
+        return None;
+    }
+    let of_run = |run: &Run| {
+        let distances = run.toolpath.distances();
+        let distance = |mark: &Mark| run.toolpath.begins_at + mark.place.distance(run.toolpath, &distances);
+        let before = |edge: f64| run.alignment.marks.partition_point(|mark| distance(mark) < edge);
+        before(overrides.span.0)..before(overrides.span.1)
+    };
+    Some(runs.iter().map(of_run).collect())
 }
 
 /// Compares `cause` beside the causes `beside` with the causes `before` section by section, all at the values that the
-/// other sections give. `beside` are the causes `before`, fitted together with the cause. `None` if the cause acts in one
-/// section alone, so that fewer than two sections count.
+/// other sections give. `beside` are the causes `before`, fitted together with the cause. An override on a part of the path is
+/// compared in sections of that part if several of them determine it. `None` if the cause acts in one section alone, so that
+/// fewer than two sections count.
 pub fn held_out(
     evidence: &Evidence,
     base: &Machine,
     before: &[Candidate],
-    (cause, beside): (&Candidate, &[Candidate]),
+    causes: (&Candidate, &[Candidate]),
 ) -> Option<HeldOut> {
+    let in_place = marks_of_override(causes.0, base, evidence.runs).and_then(|marks| {
+        let shown = marks.iter().filter(|marks| !marks.is_empty()).count();
+        // The residuals of expected values follow those of the runs.
+        let marks = |run: usize, count: usize| marks.get(run).cloned().unwrap_or(0..count);
+        held_out_of(evidence, base, before, causes, |run, count| {
+            cut(marks(run, count), sections_of_each(shown))
+        })
+    });
     let sections = sections_of_each(evidence.runs.len());
+    in_place.or_else(|| held_out_of(evidence, base, before, causes, |_, count| cut(0..count, sections)))
+}
+
+/// Compares as [`held_out`] does; `sections` returns the sections of a run, from its index and the number of its residuals.
+fn held_out_of(
+    evidence: &Evidence,
+    base: &Machine,
+    before: &[Candidate],
+    (cause, beside): (&Candidate, &[Candidate]),
+    sections: impl Fn(usize, usize) -> Vec<Range<usize>>,
+) -> Option<HeldOut> {
     let left_out = |all: &[Candidate]| {
         let (base, freed) = evidence.freed(base, all);
-        held_out_blocks(&base, evidence.runs, &freed, &evidence.whitenings, |count| cut(count, sections))
+        held_out_blocks(&base, evidence.runs, &freed, &evidence.whitenings, &sections)
     };
     // The values of the cause come first.
     let own = if cause.hypothesis.is_continuous() { cause.values.len() } else { 0 };

@@ -263,6 +263,8 @@ fn line_at(run: &Run, distance: f64, distances: &[f64]) -> u32 {
 mod tests {
     use super::*;
     use crate::identification::alignment::recorded;
+    use crate::identification::diagnosis::Candidate;
+    use crate::identification::diagnosis::gates::{self, HeldOut};
     use crate::machine::Planner;
 
     /// Holes, each cut in many marks, as positions show them.
@@ -288,6 +290,33 @@ mod tests {
     fn an_override_on_some_lines_is_found_where_most_marks_are_exact() {
         let found = range_found(|machine| overridden(machine, 0.53, (250.0, 300.0)));
         assert!(found.is_some());
+    }
+
+    /// Returns the result of an override on a part of the path in sections to which it was not fitted.
+    fn held_out(truth: &Machine, span: OverrideSpan) -> HeldOut {
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::SquareCorner, 1990.0);
+        let (toolpath, alignment) = recorded(&drilling(), truth, 1e-4);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let evidence = Evidence::of(&runs, &machine);
+        let found = overridden_between(&machine, &runs[0], 0.9, span, &toolpath.distances());
+        let candidate = Candidate::read_off(found, 0.9, f64::NAN);
+        let (cause, beside) = evidence.refined(&machine, &candidate, &[]);
+        gates::held_out(&evidence, &machine, &[], (&cause, &beside)).unwrap_or(HeldOut {
+            better: 0,
+            worse: 0,
+            gain: 0.0,
+        })
+    }
+
+    /// The place found ends 10 mm behind the override, in the next section of the run.
+    #[test]
+    fn an_override_on_some_lines_is_tested_in_sections_of_them() {
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::SquareCorner, 1990.0);
+        let truth = overridden(&machine, 0.9, (100.0, 125.0));
+        let found = held_out(&truth, OverrideSpan { from: Some(104.0), to: Some(135.0) });
+        assert!(found.holds() && 4 <= found.better, "{found:?}");
     }
 
     /// The axis limit holds from a ratio of 1.5 on.

@@ -42,19 +42,20 @@ impl HeldOutBlock {
 }
 
 /// Returns every section of every run, in the order of the runs, at the values fitted to all other sections.
-/// The initial values come from a fit to all sections.
+/// The initial values come from a fit to all sections. `sections` returns those of a run, from its index and the number of its
+/// residuals.
 pub fn held_out_blocks(
     machine: &Machine,
     runs: &[Run],
     freed: &[FreeParameter],
     whitenings: &[Whitening],
-    sections: impl Fn(usize) -> Vec<Range<usize>>,
+    sections: impl Fn(usize, usize) -> Vec<Range<usize>>,
 ) -> Vec<HeldOutBlock> {
     let (whitened, jacobians) = linearised(machine, runs, freed, whitenings);
     let all = Information::of_all(&whitened, &jacobians, freed.len());
-    let runs = whitened.iter().zip(&jacobians);
-    runs.flat_map(|(whitened, jacobian)| {
-        sections(whitened.len()).into_iter().map(|rows| without(&all, whitened, jacobian, rows))
+    let runs = whitened.iter().zip(&jacobians).enumerate();
+    runs.flat_map(|(run, (whitened, jacobian))| {
+        sections(run, whitened.len()).into_iter().map(|rows| without(&all, whitened, jacobian, rows))
     })
     .collect()
 }
