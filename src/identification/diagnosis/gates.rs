@@ -2,8 +2,9 @@
 //!
 //! The path is cut into contiguous sections. Each section is compared with the simulation at the values that the other
 //! sections give ([`held_out`]). A cause passes if it lowers the cost of all sections together, and of most of those in
-//! which it makes a difference. This test does not apply to a cause that acts in one section alone, such as a wait, as
-//! no other section shows it; but no wait at a word repeats exactly ([`is_beyond_chance`]).
+//! which it makes a difference. An override on a part of the path is tested in sections of that part. The test does not
+//! apply to a cause that acts in one section alone, such as a wait, as no other section shows it; but no wait at a word
+//! repeats exactly ([`is_beyond_chance`]).
 
 use std::ops::Range;
 
