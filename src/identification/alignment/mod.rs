@@ -44,7 +44,9 @@ pub use crate::identification::alignment::pace_check::TooFast;
 pub use crate::identification::alignment::pairing::{Pairing, pair};
 pub use crate::identification::alignment::place::{ProgramPlace, Visit, times, visits};
 #[cfg(test)]
-pub use crate::identification::alignment::simulated_recording::recorded;
+pub use crate::identification::alignment::simulated_recording::{
+    RECORDED_ROW_S, recorded, recorded_positions,
+};
 pub use crate::identification::alignment::simulated_recording::{simulated_marks, times_at_marks};
 use crate::identification::recording::{Channel, Recording, RunMark, UnitCheckError};
 use crate::machine::Machine;

@@ -46,6 +46,34 @@ pub fn recorded(program: &str, machine: &Machine, deviation: f64) -> (Toolpath, 
     (toolpath, alignment)
 }
 
+/// Time between the rows of [`recorded_positions`], s.
+#[cfg(test)]
+pub const RECORDED_ROW_S: f64 = 0.01;
+
+/// Returns a program, and the positions of a machine that runs it as a CSV recording. `change` returns the recorded position,
+/// given the part of the run that has passed and the simulated position.
+#[cfg(test)]
+pub fn recorded_positions(
+    program: &str,
+    machine: &Machine,
+    mut change: impl FnMut(f64, Point) -> Point,
+) -> (Toolpath, String) {
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::simulate;
+
+    let toolpath = trace(&read(program.as_bytes()), machine);
+    let plan = simulate(&toolpath, machine);
+    let profile = Profile::new(&toolpath, &plan);
+    let rows = (0..=(profile.cycle_time() / RECORDED_ROW_S) as usize).map(|row| {
+        let time = RECORDED_ROW_S * row as f64;
+        let at = change(time / profile.cycle_time(), profile.at_time(time).position);
+        format!("{time:.2},{:.4},{:.4},{:.4}\n", at.x, at.y, at.z)
+    });
+    let csv = "t_s,x_mm,y_mm,z_mm\n".to_string() + &rows.collect::<String>();
+    (toolpath, csv)
+}
+
 /// Returns the time at which the simulated machine is at each mark, s: on its path, or as a recorder would
 /// see its drives.
 pub fn times_at_marks(

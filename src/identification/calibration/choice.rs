@@ -17,6 +17,7 @@ use crate::identification::effects::MIN_EXPLAINED_SHARE;
 use crate::identification::effects::parameters::{CLOCK_RATIO, DWELL_EXCESS, FILTERS, PROGRAM_START};
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening};
 use crate::machine::{Machine, TimeConstants};
+use crate::side_by_side::side_by_side;
 use crate::simulation::ordered::sort_by_number;
 
 /// Initial value of the dwell excess in a fit, s: half the cycle of a 10 ms task.
@@ -31,11 +32,11 @@ pub struct Fitting<'a> {
     /// The machine before the calibration.
     pub machine: &'a Machine,
     /// Runs of the calibration.
-    pub whole: &'a [Run<'a>],
+    whole: &'a [Run<'a>],
     /// Excerpts of the runs, if the fits see only these.
-    pub parts: Option<&'a [Run<'a>]>,
+    parts: Option<&'a [Run<'a>]>,
     /// The waits to be fitted, each with its value before the calibration.
-    pub waits: Vec<(FreeParameter, f64)>,
+    waits: Vec<(FreeParameter, f64)>,
     pub plateaus: Option<RapidPlateaus>,
     /// The accelerations that the runs hold.
     pub held: HeldAccelerations,
@@ -96,6 +97,22 @@ impl<'a> Fitting<'a> {
         self.parts = None;
         let (best, whitenings) = self.fit_at_own_noise(&best.machine, order, FTOL);
         (Model { best, whitenings, order }, orders)
+    }
+
+    /// Returns the results of pieces of work that fit side by side, each on a copy of this fitting.
+    pub fn side_by_side<T: Send>(
+        &mut self,
+        count: usize,
+        work: impl Fn(&mut Fitting, usize) -> T + Sync,
+    ) -> Vec<T> {
+        let Fitting { machine, whole, parts, ref waits, plateaus, held, ref mut share } = *self;
+        let on_copy = |at: usize| {
+            let share = Share { done: 0.0, part: 0.0, progress: &mut |_| {} };
+            work(&mut Fitting { machine, whole, parts, waits: waits.clone(), plateaus, held, share }, at)
+        };
+        let (done, all) = (share.done, share.part * count as f64);
+        share.done += all;
+        side_by_side(count, on_copy, &mut |part| (share.progress)((done + part * all).min(1.0)))
     }
 
     /// Returns the runs that the fits see.

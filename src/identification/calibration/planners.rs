@@ -5,11 +5,10 @@
 
 use crate::identification::calibration::choice::{Fitting, Model};
 use crate::identification::calibration::{
-    BETTER_FAMILY, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, Share, families, jerk_limits, largest_shift,
+    BETTER_FAMILY, MAX_NOISE_ROUNDS, MIN_CONTRADICTING_COST, families, jerk_limits, largest_shift,
 };
 use crate::identification::fit::{FTOL, Whitening, cost_of, ramp_misfit};
 use crate::machine::Machine;
-use crate::side_by_side::side_by_side;
 use crate::simulation::feed::LINUXCNC_SERVO_PERIOD_S;
 
 /// Least shift of any moment of the runs that distinguishes two planners, s. Simulated planners are not more exact than a
@@ -76,22 +75,13 @@ impl Fitting<'_> {
         of_families
     }
 
-    /// Returns the planners fitted from some starts, side by side.
+    /// Returns the planners fitted from some starts.
     fn planners(&mut self, starts: &[&Machine]) -> Vec<Model> {
-        let Fitting { machine, whole, parts, ref waits, plateaus, held, ref mut share } = *self;
-        let fitted = |at: usize| {
-            let share = Share { done: 0.0, part: 0.0, progress: &mut |_| {} };
-            let waits = waits.clone();
-            Fitting { machine, whole, parts, waits, plateaus, held, share }.planner(starts[at])
-        };
-        let (done, all) = (share.done, share.part * starts.len() as f64);
-        share.done += all;
-        side_by_side(starts.len(), fitted, &mut |part| (share.progress)((done + part * all).min(1.0)))
+        self.side_by_side(starts.len(), |fitting, at| fitting.planner(starts[at]))
     }
 
-    /// Returns `true` if no other start of a family can bring it nearer to the runs than the nearest one: its first fit began at the
-    /// accelerations that the ramps hold, and yet its ramps do not have the recorded shape, while those of a planner that
-    /// is nearer by far have.
+    /// Returns `true` if a family needs no further start. Its first fit began at the accelerations that the ramps hold. If its
+    /// ramps do not have the recorded shape, and a planner that is nearer by far has such ramps, the family is wrong.
     fn is_ruled_out(&self, family: &Model, all: &[Model]) -> bool {
         let is_right = |other: &Model| self.has_its_ramps(other) && self.is_nearer_by_far(other, family);
         self.held.shows_ramps() && !self.has_recorded_ramps(family) && all.iter().any(is_right)
@@ -273,15 +263,11 @@ fn is_same_family(one: &Machine, other: &Machine) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::alignment::recorded;
+    use crate::identification::alignment::{recorded, recorded_positions};
     use crate::identification::calibration::compared;
     use crate::identification::effects::parameters::MINIMUM_CRUISE_RATIO;
     use crate::identification::fit::{AlignedRun, FreeParameter, Run};
     use crate::machine::Planner;
-    use crate::simulation::gcode::read;
-    use crate::simulation::interpreter::trace;
-    use crate::simulation::profile::Profile;
-    use crate::simulation::simulate;
 
     #[test]
     fn a_fit_that_takes_a_law_away_goes_on_without_its_parameter() {
@@ -375,14 +361,7 @@ mod tests {
         let mut truth = Machine::default();
         truth.become_planner(Planner::JunctionDeviation, 400.0);
         let program = format!("G1 F6000\n{}", "X80\nX0\n".repeat(6));
-        let toolpath = trace(&read(program.as_bytes()), &truth);
-        let plan = simulate(&toolpath, &truth);
-        let profile = Profile::new(&toolpath, &plan);
-        let rows = (0..=(100.0 * profile.cycle_time()) as usize).map(|row| {
-            let at = profile.at_time(0.01 * row as f64).position;
-            format!("{:.2},{:.4},0,0\n", 0.01 * row as f64, at.x)
-        });
-        let csv = format!("t_s,x_mm,y_mm,z_mm\n{}", rows.collect::<String>());
+        let (toolpath, csv) = recorded_positions(&program, &truth, |_, at| at);
         let aligned = AlignedRun::new(toolpath, csv.as_bytes(), &truth).expect("it is of this program");
         let runs = [aligned.run()];
         let mut progress = |_| {};

@@ -260,26 +260,16 @@ fn between(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::alignment::align;
+    use crate::identification::alignment::{align, recorded_positions};
     use crate::identification::recording::read;
     use crate::machine::Machine;
-    use crate::simulation::interpreter::trace;
-    use crate::simulation::profile::Profile;
     use crate::simulation::simulate;
 
     /// A program, its plan on the default machine, and the alignment of a recording of `recorded`, every 10 ms.
     fn run(program: &str, recorded: &Machine) -> (Toolpath, FeedPlan, Alignment) {
         let machine = Machine::default();
-        let toolpath = trace(&crate::simulation::gcode::read(program.as_bytes()), &machine);
-        let driven = simulate(&toolpath, recorded);
-        let profile = Profile::new(&toolpath, &driven);
-        let rows = (0..=(100.0 * profile.cycle_time()) as usize).map(|row| {
-            let time = 0.01 * row as f64;
-            let at = profile.at_time(time).position;
-            format!("{time:.2},{:.4},{:.4},{:.4}\n", at.x, at.y, at.z)
-        });
-        let log = read(("t_s,x_mm,y_mm,z_mm\n".to_string() + &rows.collect::<String>()).as_bytes())
-            .expect("a table");
+        let (toolpath, csv) = recorded_positions(program, recorded, |_, at| at);
+        let log = read(csv.as_bytes()).expect("a table");
         let alignment = align(&log.recordings[0], &toolpath, &machine).expect("it is of this program");
         let plan = simulate(&toolpath, &machine);
         (toolpath, plan, alignment)

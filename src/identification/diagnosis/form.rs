@@ -205,8 +205,8 @@ impl Forms {
 
     /// Returns the causes of form on a machine whose motion is commanded alike, at most one of each id: if `whole`, causes
     /// that explain the form error whole, with the simulated times unchanged; otherwise causes that remove much of it, in
-    /// step with the recording. The result is empty if there are none. The causes of a long run are searched in excerpts of it,
-    /// and their errors are those of the whole run.
+    /// step with the recording. The result is empty if there are none. Of a long run the search sees excerpts alone, but the
+    /// result has the form errors of the whole run.
     pub fn explained(
         &self,
         machine: &Machine,
@@ -376,19 +376,13 @@ fn refined(
 
 #[cfg(test)]
 mod tests {
-    use std::fmt::Write;
-
     use super::*;
+    use crate::identification::alignment::{RECORDED_ROW_S, recorded_positions};
     use crate::identification::calibration::{DIAGNOSIS_WINDOWS_S, Excerpt, excerpts};
     use crate::identification::effects::{SERVO_LAG, library};
     use crate::identification::fit::AlignedRun;
-    use crate::simulation::gcode::read;
-    use crate::simulation::interpreter::trace;
-    use crate::simulation::profile::Profile;
-    use crate::simulation::simulate;
+    use crate::simulation::toolpath::Point;
 
-    /// Time between the rows of the recording, s.
-    const ROW_S: f64 = 0.01;
     /// Lag of the recorded X axis behind its command, s.
     const LAG_S: f64 = 0.03;
 
@@ -396,18 +390,11 @@ mod tests {
     fn on_long_run(lags_until: f64, test: impl FnOnce(&Machine, &Looked)) {
         let machine = Machine::default();
         let program = format!("G1 F3000\n{}", "X40\nY30\nX0\nY0\n".repeat(100));
-        let toolpath = trace(&read(program.as_bytes()), &machine);
-        let plan = simulate(&toolpath, &machine);
-        let profile = Profile::new(&toolpath, &plan);
-        let mut csv = "t_s,x_mm,y_mm,z_mm\n".to_string();
         let mut x = 0.0;
-        for row in 0..=(profile.cycle_time() / ROW_S) as usize {
-            let time = ROW_S * row as f64;
-            let at = profile.at_time(time).position;
-            let lags = time < lags_until * profile.cycle_time();
-            x = if lags { at.x + (x - at.x) * (-ROW_S / LAG_S).exp() } else { at.x };
-            writeln!(csv, "{time:.2},{x:.4},{:.4},{:.4}", at.y, at.z).expect("text grows");
-        }
+        let (toolpath, csv) = recorded_positions(&program, &machine, |part, at| {
+            x = if part < lags_until { at.x + (x - at.x) * (-RECORDED_ROW_S / LAG_S).exp() } else { at.x };
+            Point::new(x, at.y, at.z)
+        });
         let aligned = AlignedRun::new(toolpath, csv.as_bytes(), &machine).expect("it is of this program");
         let whole = [aligned.run()];
         let excerpts = excerpts(&whole, DIAGNOSIS_WINDOWS_S).expect("the run is long");

@@ -98,10 +98,10 @@ pub fn held_out(
 ) -> Option<HeldOut> {
     let in_place = marks_of_override(causes.0, base, evidence.runs).and_then(|marks| {
         let shown = marks.iter().filter(|marks| !marks.is_empty()).count();
-        // The residuals of expected values follow those of the runs.
-        let marks = |run: usize, count: usize| marks.get(run).cloned().unwrap_or(0..count);
         held_out_of(evidence, base, before, causes, |run, count| {
-            cut(marks(run, count), sections_of_each(shown))
+            // After the last run comes a block with the deviations from expected values.
+            let marks = marks.get(run).cloned().unwrap_or(0..count);
+            cut(marks, sections_of_each(shown))
         })
     });
     let sections = sections_of_each(evidence.runs.len());

@@ -42,8 +42,8 @@ impl HeldOutBlock {
 }
 
 /// Returns every section of every run, in the order of the runs, at the values fitted to all other sections.
-/// The initial values come from a fit to all sections. `sections` returns those of a run, from its index and the number of its
-/// residuals.
+/// The initial values come from a fit to all sections. `sections` returns the sections of a run, given the index of the run
+/// and its number of residuals.
 pub fn held_out_blocks(
     machine: &Machine,
     runs: &[Run],

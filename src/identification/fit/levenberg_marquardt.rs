@@ -70,7 +70,7 @@ pub struct SearchMinimum {
     pub point: DVector<f64>,
     /// Residuals there, block by block.
     pub residuals: Vec<Vec<f64>>,
-    /// Derivatives there, or a step before it that gained next to nothing, block by block.
+    /// Derivatives at that point or, if the last step gained next to nothing, before that step; block by block.
     pub jacobians: Vec<DMatrix<f64>>,
     /// Σ ρ of the residuals.
     pub cost: f64,
@@ -110,7 +110,9 @@ pub fn minimise(
             break;
         }
         progress(step as f64 / search.max_steps as f64);
-        slopes.compute_if_outdated(problem, &point, &residuals);
+        if slopes.source == SlopesSource::Outdated {
+            slopes.compute(problem, &point, &residuals);
+        }
         // If a parameter affects few residuals, the equations need damping to have a solution.
         let Some((next, foretold)) =
             damped_step(problem, &point, &residuals, &slopes.current, damping, search.huber)
@@ -138,10 +140,9 @@ pub fn minimise(
             slopes.source = SlopesSource::Outdated;
         }
     }
-    if slopes.source == SlopesSource::Followed {
-        slopes.source = SlopesSource::Outdated;
+    if slopes.source != SlopesSource::Computed {
+        slopes.compute(problem, &point, &residuals);
     }
-    slopes.compute_if_outdated(problem, &point, &residuals);
     progress(1.0);
     SearchMinimum { point, residuals, jacobians: slopes.current, cost: least, converged }
 }
@@ -170,11 +171,9 @@ impl Slopes {
         Slopes { current: computed.clone(), computed, source: SlopesSource::Computed }
     }
 
-    /// Computes outdated derivatives again, at this point.
-    fn compute_if_outdated(&mut self, problem: &impl Problem, point: &DVector<f64>, residuals: &[Vec<f64>]) {
-        if self.source == SlopesSource::Outdated {
-            *self = Slopes::new(problem.jacobians(point, residuals, &self.computed));
-        }
+    /// Computes the derivatives at a point.
+    fn compute(&mut self, problem: &impl Problem, point: &DVector<f64>, residuals: &[Vec<f64>]) {
+        *self = Slopes::new(problem.jacobians(point, residuals, &self.computed));
     }
 
     /// Follows a step from one point to another by the secant rule.

@@ -6,7 +6,8 @@ use crate::identification::fit::inverse;
 use crate::identification::fit::levenberg_marquardt::{self, Problem, Search};
 use crate::identification::step::response::Response;
 
-/// A search with plain squares that ends when gains are only rounding; its derivatives are formulas.
+/// A search with plain squares that ends when gains are only rounding. Exact derivatives cost little here, so it computes them
+/// after every step.
 const SEARCH: Search = Search {
     huber: f64::INFINITY,
     ftol: 1e-12,

@@ -35,6 +35,6 @@ pub(super) const CURVES: [Parameter; 9] = [
         "interpolator.short_blocks_are_chords",
         "Short blocks as chords",
         flag[interpolator.short_blocks_are_chords],
-        "The speed into a block below 1 mm after a turn of less than 45° is at most that of an arc with this block as a chord, and the acceleration at a corner is at most that of the next block. As in Marlin with a junction deviation (JD_HANDLE_SMALL_SEGMENTS)."
+        "Limits the acceleration at each corner to that of the next block. Passes turns of less than 45° into blocks shorter than 1 mm as arcs with these blocks as chords. Marlin does both with a junction deviation (JD_HANDLE_SMALL_SEGMENTS)."
     ),
 ];
