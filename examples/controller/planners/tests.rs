@@ -209,6 +209,23 @@ fn steps_of_axis_velocities_and_quintic_ramps_are_found() {
     assert!(found.interpolator.quintic_ramps && misfit < MAX_RAMP_MISFIT, "{misfit}");
 }
 
+/// In a trochoid, most places are within ramps: with the accelerations that trapezoids end at, curves have no better shape.
+#[test]
+fn quintic_ramps_are_found_where_trapezoids_end_far_from_them() {
+    let truth = Settings {
+        acceleration: [950.0, 710.0, 1090.0],
+        velocity: [77.0, 69.0, 96.0],
+        corner_step: Some(2.0),
+        is_curved: true,
+        ..Settings::default()
+    };
+    let (found, misfit) = calibrated_with_misfit("marlin", "corpus-trochoid", &truth);
+    assert!(found.interpolator.quintic_ramps && misfit < MAX_RAMP_MISFIT, "{misfit}");
+    for (axis, expected) in found.axes.iter().zip([950.0, 710.0]) {
+        assert!((axis.acceleration / expected - 1.0).abs() < 0.02, "{} mm/s²", axis.acceleration);
+    }
+}
+
 /// Marlin's default corners, with curves.
 #[test]
 fn a_junction_deviation_of_marlin_is_found() {

@@ -139,6 +139,7 @@ impl<'a> Fitting<'a> {
             self.try_planners(&plain, &mut model);
         }
         self.try_other_blends(&mut model);
+        self.try_reached_rates(&mut model);
         self.try_assumed_accelerations(&mut model);
         self.try_steps_at_corners(&mut model);
         self.drop_idle_limits(&mut model);
@@ -191,6 +192,38 @@ impl<'a> Fitting<'a> {
                 self.plateaus = Some(seen);
             } else {
                 model.best = best;
+            }
+        }
+    }
+
+    /// Fits the rapid rate of each axis of a planner that showed no plateau, from the velocity that it reached on, and keeps it
+    /// if the runs contradict the assumed one. A plateau shorter than three windows is not seen, and a fit makes up for a
+    /// wrong rate with other ramps.
+    fn try_reached_rates(&mut self, model: &mut Model) {
+        for axis in 0..3 {
+            let machine = &model.best.machine;
+            let is_open = !machine.has_filters()
+                && machine.interpolator.minimum_cruise_ratio == 0.0
+                && machine.axes[axis].rapid.is_finite();
+            let Some(seen) = self.plateaus.filter(|_| is_open) else { continue };
+            let reached = seen.reached[axis].fastest;
+            if seen.rates(machine).axes[axis].is_some()
+                || reached <= 0.0
+                || machine.axes[axis].rapid <= reached
+            {
+                continue;
+            }
+            let mut start = machine.clone();
+            if is_limited_as_rapids(machine, axis, self.plateaus) {
+                start.axes[axis].velocity = reached;
+            }
+            start.axes[axis].rapid = reached;
+            self.plateaus = Some(seen.with_rates(|rates| rates.with_guessed(axis, reached)));
+            let best = self.fit(&start, model.order, &model.whitenings, FTOL);
+            if best.cost + MIN_CONTRADICTING_COST < model.best.cost {
+                model.best = best;
+            } else {
+                self.plateaus = Some(seen);
             }
         }
     }
@@ -336,5 +369,41 @@ impl<'a> Fitting<'a> {
             let (best, whitenings) = self.fit_at_own_noise(&found.machine, order, ROUGH_COST_TOLERANCE);
             *model = Model { best, whitenings, order };
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::alignment::recorded_positions;
+    use crate::identification::fit::AlignedRun;
+    use crate::machine::Planner;
+
+    /// Rapids of Z that hold their rate for 20 ms, by a planner that assumes a higher one.
+    #[test]
+    fn a_rate_without_a_plateau_is_fitted_from_the_velocity_that_rapids_reached() {
+        let mut truth = Machine::default();
+        truth.become_planner(Planner::JunctionDeviation, 1120.0);
+        truth.axes.iter_mut().for_each(|axis| axis.rapid = 88.0);
+        truth.axes[2].rapid = 79.0;
+        let turn =
+            "G0 Z4\nG0 X80\nG1 Z-3.18 F900\nG1 X0 F3000\nG0 Z4\nG0 X50 Y9\nG1 Z-3.18 F900\nG1 X0 Y0 F3000\n";
+        let (toolpath, csv) = recorded_positions(&turn.repeat(4), &truth, |_, at| at);
+        let aligned = AlignedRun::new(toolpath, csv.as_bytes(), &truth).expect("it is of this program");
+        let runs = [aligned.run()];
+        let mut start = truth.clone();
+        start.axes[2].rapid = 88.0;
+        let mut progress = |_| {};
+        let (mut fitting, _) = Fitting::new(&start, &runs, &compared(&start, &runs), &mut progress);
+        assert_eq!(fitting.plateaus.expect("there are positions").rates.axes[2], None);
+        let (best, whitenings) = fitting.fit_at_own_noise(&start, 1, FTOL);
+        let mut model = Model { best, whitenings, order: 1 };
+        assert!(0.01 < (model.best.machine.axes[2].acceleration / 1120.0 - 1.0).abs());
+        fitting.try_reached_rates(&mut model);
+        let z = &model.best.machine.axes[2];
+        assert!((z.rapid - 79.0).abs() < 0.5, "{} mm/s", z.rapid);
+        assert!((z.acceleration / 1120.0 - 1.0).abs() < 0.005, "{} mm/s²", z.acceleration);
+        // It counts as assumed all the same.
+        assert!(fitting.plateaus.expect("there are positions").rates.guessed_axes[2]);
     }
 }

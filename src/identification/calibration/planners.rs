@@ -65,6 +65,11 @@ impl Fitting<'_> {
             family.best.cost < MIN_CONTRADICTING_COST || self.is_ruled_out(family, &of_families)
         };
         let are_settled: Vec<bool> = of_families.iter().map(is_settled).collect();
+        // The accelerations of other ramps may have become such that quintic ones have no better shape with them.
+        let quintic: Vec<Option<Machine>> = firsts.iter().map(|start| with_quintic_ramps(start)).collect();
+        let with_other_ramps =
+            quintic.iter().enumerate().filter_map(|(family, start)| Some((family, start.as_ref()?)));
+        further.extend(with_other_ramps.filter(|(family, _)| !self.has_its_ramps(&of_families[*family])));
         further.retain(|(family, _)| !are_settled[*family]);
         let others = self.planners(&further.iter().map(|(_, start)| *start).collect::<Vec<_>>());
         for ((family, _), next) in further.into_iter().zip(others) {
@@ -95,22 +100,17 @@ impl Fitting<'_> {
             (best, whitenings) = self.fit_at_own_noise(&other, 1, FTOL);
         }
         let model = Model { best, whitenings, order: 1 };
-        self.with_quintic_ramps(model)
+        self.or_with_quintic_ramps(model)
     }
 
     /// Returns a planner of Marlin with quintic ramps if these have the recorded shape and others have not. They take as long,
     /// but places within ramps are passed at other times, so all else is fitted again.
-    fn with_quintic_ramps(&mut self, model: Model) -> Model {
-        if !families::is_of_marlin(&model.best.machine) {
-            return model;
-        }
+    fn or_with_quintic_ramps(&mut self, model: Model) -> Model {
+        let Some(quintic) = with_quintic_ramps(&model.best.machine) else { return model };
         let misfit = ramp_misfit(&model.best.machine, self.runs());
-        if misfit.is_within(MAX_MISFIT_OF_RIGHT_LAW) {
-            return model;
-        }
-        let mut quintic = model.best.machine.clone();
-        quintic.interpolator.quintic_ramps = true;
-        if misfit.of_path < ramp_misfit(&quintic, self.runs()).of_path {
+        if misfit.is_within(MAX_MISFIT_OF_RIGHT_LAW)
+            || misfit.of_path < ramp_misfit(&quintic, self.runs()).of_path
+        {
             return model;
         }
         let (best, whitenings) = self.fit_at_own_noise(&quintic, 1, FTOL);
@@ -243,6 +243,13 @@ impl Fitting<'_> {
             *model = Model { best, whitenings, order };
         }
     }
+}
+
+/// Returns a planner of Marlin with quintic ramps; `None` if it has them, or is no such planner.
+fn with_quintic_ramps(planner: &Machine) -> Option<Machine> {
+    let mut quintic = planner.clone();
+    quintic.interpolator.quintic_ramps = true;
+    (families::is_of_marlin(planner) && quintic != *planner).then_some(quintic)
 }
 
 /// Returns the largest cost at which a model takes the place of another one, whose cost is `before`: by far, or so that the

@@ -118,6 +118,13 @@ impl RapidRates {
         RapidRates { path: None, ..self }
     }
 
+    /// Returns the rates with one of an axis (mm/s) that no plateau shows.
+    pub fn with_guessed(self, axis: usize, rate: f64) -> RapidRates {
+        let mut rates = self;
+        (rates.axes[axis], rates.guessed_axes[axis]) = (Some(rate), true);
+        rates
+    }
+
     /// Returns the rates without that of Z.
     pub fn without_z(self) -> RapidRates {
         RapidRates { axes: [self.axes[0], self.axes[1], None], ..self }
