@@ -154,6 +154,28 @@ fn figures_of_the_diagnosis_are_those_of_its_proof() {
 }
 
 #[test]
+fn figures_of_seeds_are_those_of_their_page() {
+    let rows = table(&page("docs/seeds.md"), "The newest");
+    let of_all = |what: &str| {
+        let row = rows.iter().find(|row| row[0] == what).expect("a row of this name");
+        row.last().expect("a column of all controls").clone()
+    };
+    let figures = [
+        format!("{} programs", of_all("programs")),
+        format!("{} clean runs", of_all("clean runs in which a cause was named")),
+        format!("{} named right first", of_all("visible changes whose cause was named first")),
+        format!("in {} wrong causes alone", of_all("wrong causes alone were named")),
+        format!(
+            "{} cycle times of other programs",
+            of_all("times of other programs within the stated range")
+        ),
+    ];
+    holds("docs/accuracy.md", &figures);
+    holds("README.md", &figures[..2]);
+    holds("README.md", &figures[3..4]);
+}
+
+#[test]
 fn figures_of_doubts_and_executions_add_up() {
     let rows = table(&page("docs/trust.md"), "How well the bound holds")[1..].to_vec();
     let count = |row: &Vec<String>| {

@@ -113,10 +113,14 @@ fn held(holds: &[(u32, f64, f64)]) -> Machine {
 /// One cause is found and no other, in its line and with its seconds.
 #[track_caller]
 fn assert_alone(machine: &Machine, (cause, line, seconds): (&str, u32, f64)) {
-    let found = causes(&diagnosed(machine));
+    let diagnosis = diagnosed(machine);
+    let found = causes(&diagnosis);
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!((found[0].0, found[0].1), (cause, line));
     assert!((found[0].2 - seconds).abs() < 0.02, "{found:?}");
+    // The true cause may be none of the library, and no recording shows that.
+    let confidence = diagnosis.causes[0].confidence;
+    assert!((0.45..0.97).contains(&confidence), "{confidence}");
 }
 
 /// One cause is found, a wait or a feed hold, and that the run cannot tell which.

@@ -14,13 +14,14 @@
 //! cargo run --release --example controller -- probe DIR [--control grbl --preset M.toml --recorder … --jobs 2]
 //! cargo run --release --example controller -- score DIR --out REPORTS
 //!     [--truefeed target/release/truefeed --preset M.toml --jobs 2]
+//! cargo run --release --example controller -- pool docs/diagnosis > docs/seeds.md
 //! ```
 //!
 //! With `--minutes`, each program consists of several operations of different kinds and takes about that long.
 //!
 //! `probe` records the project's probe on each machine of DIR as well; `score` then calibrates on it, too. `score`
 //! keeps the report of each case in REPORTS and does not ask again for those in there, so an interrupted run
-//! continues. It refuses a folder with the reports of another seed, build or preset.
+//! continues. It refuses a folder with the reports of another seed, build or preset. `pool` sums up the results of all seeds.
 
 mod changes;
 mod estimates;
@@ -36,6 +37,7 @@ mod kinds;
 mod machine;
 mod names;
 mod planners;
+mod pool;
 mod probes;
 #[allow(dead_code, reason = "the stand-in draws more from it")]
 #[path = "../standin/random.rs"]
@@ -126,7 +128,13 @@ fn run() -> Result<(), Refusal> {
         ("record", Some(folder), []) => factory::record(&order, &folder),
         ("probe", None, [folder]) => probes::record(&bench, &order.recorder, folder),
         ("score", Some(reports), [folder]) => judge::score(&bench, folder, &reports),
-        _ => Err("say `record --out DIR`, `probe DIR` or `score DIR --out REPORTS`".into()),
+        ("pool", None, [folder]) => {
+            let (page, others) = pool::page(folder)?;
+            others.iter().for_each(|file| eprintln!("controller: {file} belongs to no control"));
+            print!("{page}");
+            Ok(())
+        }
+        _ => Err("say `record --out DIR`, `probe DIR`, `score DIR --out REPORTS` or `pool RESULTS`".into()),
     }
 }
 

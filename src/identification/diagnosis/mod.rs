@@ -48,6 +48,7 @@ pub use rests::feed_holds;
 use crate::identification::calibration::{DIAGNOSIS_WINDOWS_S, Excerpt, calibrate, excerpts};
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::diagnosis::cause::candidates;
+use crate::identification::diagnosis::confidence::CHANCE_OF_LIBRARY;
 use crate::identification::diagnosis::evidence::{Looked, with_all};
 use crate::identification::diagnosis::form::Forms;
 use crate::identification::diagnosis::gates::HeldOut;
@@ -289,6 +290,7 @@ fn diagnose_as_it_is(
     let form = forms.error(machine).zip(forms_with_time.error(&fitted));
     let mut causes = in_time.causes(&start, &drives.causes, &fitted, runs);
     causes.extend(drives.as_causes(runs));
+    causes.iter_mut().for_each(|cause| cause.confidence *= CHANCE_OF_LIBRARY);
     let steps = file.map_or((machine, None), |file| (file, Some(machine)));
     let accounts = accounted(steps, &mut causes, runs, &after);
     let (regions, rest) = (located(&before, runs, machine), located(&after, runs, &fitted));
