@@ -41,7 +41,8 @@ pub struct RapidRates {
     /// Rate of each axis.
     pub axes: [Option<f64>; 3],
     /// `true` for each axis whose rate may be no limit: in each diagonal that shows it, another axis may have held it
-    /// back, unless axes are alike; or rapids of one length hold it so briefly that a minimum cruise ratio may be the reason.
+    /// back, unless axes are alike; or rapids of one length hold it so briefly that a minimum cruise ratio may be the reason; or
+    /// no plateau shows it.
     pub guessed_axes: [bool; 3],
 }
 

@@ -3,8 +3,10 @@
 //! An override acts on the feed moves from one place of the path to another, wherever the operator turned the switch.
 //! Let g be the change of the residual between marks by an override on all lines, and δ the observed change. Then
 //! β = Σ δ g / Σ g² over a range explains (Σ δ g)² / Σ g² of Σ δ². The range that explains most is found from prefix
-//! sums over at most [`BINS`] parts. Its edges and ratio are then fitted, and the override counts only if it lowers the cost
-//! by enough more than one on all lines.
+//! sums over at most [`BINS`] parts. Where other limits hold, g is not proportional to the lost time: an override of 97 % may change
+//! nothing where one of 50 % halves the velocity. So g is that of each of several overrides ([`TRIED`]), and the one that explains
+//! most counts. Edges and ratio are then fitted, and the override counts only if it lowers the cost by enough more than one
+//! on all lines.
 //!
 //! Waits before lines are placed at the longest rests of the recorded machine between two long blocks, and a feed
 //! hold at the dip of its feedrate.
@@ -22,8 +24,9 @@ use crate::simulation::ordered::sort_by_number;
 
 /// Most parts of a run, between which a range may begin and end.
 const BINS: usize = 300;
-/// Override ratio that is simulated to obtain the effect of an override.
-const TRIED: f64 = 0.97;
+/// Override ratios that are simulated to obtain the effect of an override. An override between two of them is no farther from one
+/// than a quarter.
+const TRIED: [f64; 7] = [0.97, 0.75, 0.5, 0.33, 0.2, 1.3, 1.7];
 /// Golden sections in the search of the ratio of an override.
 const RATIO_SECTIONS: usize = 14;
 /// Largest lost time of a part by an override, as a multiple of the simulated time: the override is 1/(1 + `MAX_SLOWING`).
@@ -64,34 +67,35 @@ pub fn hypotheses(machine: &Machine, runs: &[Run], evidence: &Evidence, is_open:
 /// Returns the hypothesis of a feed override along a part of the path. `None` if no range explains enough more than the
 /// whole program, or if the best one is shorter than [`SHORTEST_OVERRIDE`].
 fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<Hypothesis> {
-    let mut other = machine.clone();
-    other.overrides.feed *= TRIED;
     let now = run.residuals(machine);
-    let changed = run.residuals(&other);
-    // What an override that doubles the time would lose.
-    let change: Vec<f64> =
-        now.iter().zip(&changed).map(|(now, changed)| (now - changed) / (1.0 / TRIED - 1.0)).collect();
     let marks = &run.alignment.marks;
     let part = now.len().div_ceil(BINS).max(1);
     let bins = now.len().div_ceil(part);
     let end = |bin: usize| (bin * part).min(marks.len() - 1);
     // Whitened residuals remember what was lost before, so they do not show where.
     let lost = |of: &[f64], bin: usize| of[end(bin + 1)] - of[end(bin)];
-    let by_part = Explained::of((0..bins).map(|bin| (lost(&now, bin), lost(&change, bin))));
-    let (from, to) = by_part.best_range();
-    let is_worth_a_range = WORTH_A_RANGE * by_part.part(0, bins) <= by_part.part(from, to);
+    let tried = TRIED.map(|tried| {
+        let changed =
+            run.residuals(&overridden(machine, tried * machine.overrides.feed, machine.overrides.span));
+        // What an override that doubles the time would lose.
+        let change = |bin: usize| (lost(&now, bin) - lost(&changed, bin)) / (1.0 / tried - 1.0);
+        Explained::of((0..bins).map(|bin| (lost(&now, bin), change(bin))))
+    });
+    let (whole, _) = with_most(tried.iter().map(|of| (of, (0, bins))))?;
+    let (by_part, (from, to)) = with_most(tried.iter().map(|of| (of, of.best_range())))?;
+    let is_worth_a_range = WORTH_A_RANGE * whole.part(0, bins) <= by_part.part(from, to);
     if !is_worth_a_range || marks[end(to)].time - marks[end(from)].time < SHORTEST_OVERRIDE {
         return None;
     }
-    let guess = |from: usize, to: usize| {
-        (1.0 / (1.0 + by_part.slope(from, to))).clamp(0.05, 2.0) * machine.overrides.feed
+    let guess = |of: &Explained, from: usize, to: usize| {
+        (1.0 / (1.0 + of.slope(from, to))).clamp(0.05, 2.0) * machine.overrides.feed
     };
     let distances = run.toolpath.distances();
     let ends: Vec<f64> =
         (0..=bins).map(|bin| marks[end(bin)].place.distance(run.toolpath, &distances)).collect();
     let mut span = OverrideSpan { from: (from != 0).then(|| ends[from]), to: (to != bins).then(|| ends[to]) };
     let cost = |ratio: f64, span: (f64, f64)| evidence.cost(&overridden(machine, ratio, span));
-    let (without, mut ratio) = (evidence.cost(machine), guess(from, to));
+    let (without, mut ratio) = (evidence.cost(machine), guess(by_part, from, to));
     if without <= cost(ratio, span.of_path()) {
         return None;
     }
@@ -100,7 +104,7 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
         span = span.fitted(machine, evidence, ratio, &ends);
         ratio = best_ratio(machine, evidence, ratio, span.of_path());
     }
-    let everywhere = best_ratio(machine, evidence, guess(0, bins), Overrides::WHOLE_PATH_BOUNDS_MM);
+    let everywhere = best_ratio(machine, evidence, guess(whole, 0, bins), Overrides::WHOLE_PATH_BOUNDS_MM);
     let explained = |ratio: f64, span: (f64, f64)| without - cost(ratio, span);
     let (found, whole) =
         (explained(ratio, span.of_path()), explained(everywhere, Overrides::WHOLE_PATH_BOUNDS_MM).max(0.0));
@@ -183,6 +187,14 @@ impl Explained {
         }
         best
     }
+}
+
+/// Returns the pairs of an override and a range that explain most.
+fn with_most<'a>(
+    of: impl Iterator<Item = (&'a Explained, (usize, usize))>,
+) -> Option<(&'a Explained, (usize, usize))> {
+    let part = |(of, (from, to)): &(&Explained, (usize, usize))| of.part(*from, *to);
+    of.reduce(|most, next| if part(&most) < part(&next) { next } else { most })
 }
 
 /// Distances along the path between which an override is in force, mm; an edge at an end of the program is `None`.
@@ -332,5 +344,24 @@ mod tests {
     fn an_override_on_all_lines_is_none_on_some() {
         assert!(range_found(|machine| overridden(machine, 0.53, Overrides::WHOLE_PATH_BOUNDS_MM)).is_none());
         assert!(range_found(Machine::clone).is_none());
+    }
+    /// Short lines there and back, on which the machine never reaches the programmed feed, but for an override of half of it.
+    #[test]
+    fn an_override_is_found_where_a_small_one_changes_nothing() {
+        let mut machine = Machine::default();
+        machine.become_planner(Planner::JunctionDeviation, 200.0);
+        let program = format!("G1 F1500\n{}", "X2\nX0\n".repeat(80));
+        let span = (60.0, 180.0);
+        let (toolpath, alignment) = recorded(&program, &overridden(&machine, 0.47, span), 1e-4);
+        let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+        let slightly = overridden(&machine, 0.97, Overrides::WHOLE_PATH_BOUNDS_MM);
+        assert_eq!(runs[0].residuals(&slightly), runs[0].residuals(&machine));
+        let evidence = Evidence::of(&runs, &machine);
+        let found = override_range(&machine, &runs[0], &evidence).expect("there is an override");
+        let mut with = machine.clone();
+        found.freed[0].apply(&mut with, found.trials[2][0]);
+        assert!((with.overrides.feed / 0.47 - 1.0).abs() < 0.01, "{}", with.overrides.feed);
+        let (from, to) = with.overrides.span;
+        assert!((from - span.0).abs() < 2.0 && (to - span.1).abs() < 2.0, "{from} to {to} mm");
     }
 }
