@@ -149,9 +149,12 @@ fn scored(folder: &Path) -> Result<(Vec<Scored>, Vec<String>), Refusal> {
     Ok((all, others))
 }
 
+/// The text of a figure of some results.
+type Figure = fn(&[&Scored]) -> String;
+
 /// Returns the rates of each control, and of all of them.
 fn by_control(all: &[&Scored]) -> String {
-    let rows: [(&str, fn(&[&Scored]) -> String); 9] = [
+    let rows: [(&str, Figure); 9] = [
         ("programs", |some| programs(some).to_string()),
         ("clean runs in which a cause was named", |some| clean(some).text()),
         ("visible changes whose cause was named first", |some| visible(some, "first").text()),
