@@ -195,9 +195,9 @@ fn cases<'a>(all: &'a [&Scored]) -> impl Iterator<Item = &'a Value> {
     all.iter().flat_map(|one| one.results["cases"].as_array().into_iter().flatten())
 }
 
-/// Returns the number of programs; each has one clean run by its own file.
+/// Returns the number of programs but for the probe; each has one clean run by its own file.
 fn programs(all: &[&Scored]) -> usize {
-    cases(all).filter(|case| case["role"] == "clean").count()
+    cases(all).filter(|case| case["role"] == "clean" && case["program_kind"] != "probe").count()
 }
 
 /// Returns the rate of clean runs of all kinds with a cause.

@@ -74,11 +74,11 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     let end = |bin: usize| (bin * part).min(marks.len() - 1);
     // Whitened residuals remember what was lost before, so they do not show where.
     let lost = |of: &[f64], bin: usize| of[end(bin + 1)] - of[end(bin)];
-    let tried = TRIED.map(|tried| {
+    let tried = TRIED.map(|ratio| {
         let changed =
-            run.residuals(&overridden(machine, tried * machine.overrides.feed, machine.overrides.span));
+            run.residuals(&overridden(machine, ratio * machine.overrides.feed, machine.overrides.span));
         // What an override that doubles the time would lose.
-        let change = |bin: usize| (lost(&now, bin) - lost(&changed, bin)) / (1.0 / tried - 1.0);
+        let change = |bin: usize| (lost(&now, bin) - lost(&changed, bin)) / (1.0 / ratio - 1.0);
         Explained::of((0..bins).map(|bin| (lost(&now, bin), change(bin))))
     });
     let (whole, _) = with_most(tried.iter().map(|of| (of, (0, bins))))?;
@@ -189,7 +189,7 @@ impl Explained {
     }
 }
 
-/// Returns the pairs of an override and a range that explain most.
+/// Returns the override and the range that explain most; `None` if there is no override.
 fn with_most<'a>(
     of: impl Iterator<Item = (&'a Explained, (usize, usize))>,
 ) -> Option<(&'a Explained, (usize, usize))> {
