@@ -4,8 +4,8 @@
 //! successive windows of T (s) then have four accelerations between them, which change by J T from one to the next; where a
 //! trapezoid begins, only two such changes may be alike. If a distance may be off by e (mm), J may be off by 4 e / T³. A part
 //! of a ramp counts if the path is straight, and if that error and the differences of the changes are at most the part
-//! [`MAX_DIFFERENCE_RATIO`] of J. The limit of the axis that moves furthest counts. The median of the parts of an axis is a
-//! start for a fit: a start from a wrong jerk ends in a minimum where slow corners make up for short ramps.
+//! [`MAX_DIFFERENCE_RATIO`] of J. The limit of the axis that moves furthest counts. The median of all parts is a start for a
+//! fit: a start from a wrong jerk ends in a minimum where slow corners make up for short ramps.
 //!
 //! Limits: ramps shorter than five samples show no jerk, nor does noise in fast sampling.
 
@@ -24,36 +24,19 @@ const MAX_DIFFERENCE_RATIO: f64 = 0.1;
 /// Least number of parts of ramps that show a jerk.
 const MIN_PARTS: usize = 10;
 
-/// The jerks that the ramps of runs hold, mm/s³.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeldJerks {
-    /// Median of all ramps.
-    pub of_all: f64,
-    /// Median of the ramps of X, Y and Z; `None` for an axis that shows too few.
-    pub of_axes: [Option<f64>; 3],
+/// Returns the jerk that the ramps of runs hold along each axis, mm/s³. An axis that shows none has the median of all.
+/// Returns `None` if no axis shows one.
+pub fn held_jerks(runs: &[Run]) -> Option<[f64; 3]> {
+    let tracks = runs.iter().filter_map(|run| run.alignment.track.as_ref());
+    held_by(&tracks.flat_map(|track| parts(track)).collect::<Vec<(usize, f64)>>())
 }
 
-impl HeldJerks {
-    /// Returns the jerks that the ramps of runs hold; `None` if too few hold one.
-    pub fn of(runs: &[Run]) -> Option<HeldJerks> {
-        let tracks = runs.iter().filter_map(|run| run.alignment.track.as_ref());
-        HeldJerks::of_parts(&tracks.flat_map(|track| parts(track)).collect::<Vec<(usize, f64)>>())
-    }
-
-    /// Returns the jerks that the parts of ramps hold, each with its axis.
-    fn of_parts(parts: &[(usize, f64)]) -> Option<HeldJerks> {
-        let held = |mut all: Vec<f64>| (MIN_PARTS <= all.len()).then(|| median(&mut all));
-        let of_axis = |axis: usize| parts.iter().filter(move |part| part.0 == axis).map(|(_, jerk)| *jerk);
-        Some(HeldJerks {
-            of_all: held(parts.iter().map(|(_, jerk)| *jerk).collect())?,
-            of_axes: [0, 1, 2].map(|axis| held(of_axis(axis).collect())),
-        })
-    }
-
-    /// Returns the jerk of each axis; that of all ramps for an axis that holds none.
-    pub fn jerks(&self) -> [f64; 3] {
-        self.of_axes.map(|held| held.unwrap_or(self.of_all))
-    }
+/// Returns [`held_jerks`] from the parts of all ramps.
+fn held_by(parts: &[(usize, f64)]) -> Option<[f64; 3]> {
+    let held = |mut all: Vec<f64>| (MIN_PARTS <= all.len()).then(|| median(&mut all));
+    let of_all = held(parts.iter().map(|(_, jerk)| *jerk).collect())?;
+    let of_axis = |axis: usize| parts.iter().filter(move |part| part.0 == axis).map(|(_, jerk)| *jerk);
+    Some([0, 1, 2].map(|axis| held(of_axis(axis).collect()).unwrap_or(of_all)))
 }
 
 /// Returns the parts of the ramps of a track: the axis that moves furthest, and its jerk.
@@ -103,7 +86,7 @@ mod tests {
     }
 
     /// Returns the jerks of ramps of each axis and duration (s), from rest and back to it, with positions off by `error` (mm).
-    fn held(ramps: &[(usize, f64)], ramp: Ramp, error: f64) -> Option<HeldJerks> {
+    fn held(ramps: &[(usize, f64)], ramp: Ramp, error: f64) -> Option<[f64; 3]> {
         let (mut time, mut position, mut at) = (Vec::new(), Vec::new(), Point::origin());
         for (axis, seconds) in ramps.iter().cycle().take(12) {
             let whole = FEEDRATE_MM_S * seconds;
@@ -124,7 +107,7 @@ mod tests {
             interval: INTERVAL_S,
             steps: [0.0; 3],
         };
-        HeldJerks::of_parts(&parts(&track))
+        held_by(&parts(&track))
     }
 
     #[test]
@@ -132,12 +115,9 @@ mod tests {
         let found = held(&[(0, 0.12), (1, 0.2)], s_curve, 1e-6).expect("there are ramps");
         // Δv = J T² / 4.
         let [x, y] = [0.12, 0.2].map(|seconds: f64| 4.0 * FEEDRATE_MM_S / seconds.powi(2));
-        let is_near =
-            |held: Option<f64>, jerk: f64| held.is_some_and(|held| (held / jerk - 1.0).abs() < 0.01);
-        assert!(is_near(found.of_axes[0], x) && is_near(found.of_axes[1], y), "{found:?}");
+        assert!((found[0] / x - 1.0).abs() < 0.01 && (found[1] / y - 1.0).abs() < 0.01, "{found:?}");
         // Z does not move.
-        assert_eq!(found.of_axes[2], None);
-        assert!((y..=x).contains(&found.jerks()[2]), "{found:?}");
+        assert!((y..=x).contains(&found[2]), "{found:?}");
     }
 
     #[test]

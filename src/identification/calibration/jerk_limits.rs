@@ -3,19 +3,18 @@
 //! The guesses begin with a fitted planner of trapezoids, whose accelerations are means over whole ramps. They raise these
 //! accelerations, give all axes the same one, or give them one that no ramp reaches, as in TinyG; corners remain as fast.
 //! A planner that limits the acceleration of each axis gets a jerk limit for each axis: the jerk that the ramps hold
-//! ([`HeldJerks`]) or, if they hold none, the nearest of a grid. A planner that limits the acceleration along the path gets
+//! ([`held_jerks`]) or, if they hold none, the nearest of a grid. A planner that limits the acceleration along the path gets
 //! one jerk limit along the path.
 //!
 //! If no acceleration is reached, the jerk alone gives ramps their shape, whatever the corners and the chords of arcs are.
-//! Axes whose ramps hold no jerk then have those with which the shape is nearest to the recorded one: first one jerk for all
-//! of them, then each its own. Times would mislead there: a jerk that is a tenth off costs more than a wrong law.
+//! Ramps that hold no jerk then have that with which the shape is nearest to the recorded one. Times would mislead there: a
+//! jerk that is a tenth off costs more than a wrong law.
 
 use crate::identification::calibration::families::{
     has_junction_law, is_of_marlin, plans_by_deviation, with_junctions,
 };
-use crate::identification::calibration::held_jerks::HeldJerks;
+use crate::identification::calibration::held_jerks::held_jerks;
 use crate::identification::calibration::nearest;
-use crate::identification::comparison::RampMisfit;
 use crate::identification::fit::{Run, Whitening, golden_section, ramp_misfit};
 use crate::machine::Machine;
 
@@ -52,73 +51,39 @@ pub fn with_jerk_limits(machine: &Machine, runs: &[Run], whitenings: &[Whitening
         .map(|ratio| machine.with_scaled_accelerations(ratio).with_scaled_junction(1.0 / ratio));
     let alike = START_ACCELERATIONS_MM_S2.map(with_acceleration);
     let beyond = with_acceleration(ACCELERATION_BEYOND_RAMPS_MM_S2);
-    let held = if plans_by_deviation(machine) { HeldJerks::of(runs) } else { None };
+    let held = if plans_by_deviation(machine) { held_jerks(runs) } else { None };
     let nearest = |machines: Vec<Machine>| nearest(machines, runs, whitenings);
     let near = |of: &[Machine]| {
-        let ramps = nearest(of.iter().flat_map(|of| at_jerks(of, held.map(|held| held.jerks()))).collect())?;
+        let ramps = nearest(of.iter().flat_map(|of| at_jerks(of, held)).collect())?;
         let corners = nearest(START_JUNCTION_RATIOS.map(|ratio| ramps.with_scaled_junction(ratio)).to_vec())?;
         // Each chord has its own ramps.
         nearest(START_CHORD_ERROR_RATIOS.map(|ratio| corners.with_scaled_chords(ratio)).to_vec())
     };
-    let of_axes = held.map_or([None; 3], |held| held.of_axes);
-    let jerks =
-        plans_by_deviation(machine).then(|| jerks_of_shape(machine, &beyond, of_axes, runs)).flatten();
-    let with_corners = with_junctions(&beyond);
-    let idle: Vec<Machine> = match jerks.or_else(|| Some(held?.jerks())) {
-        // Wrong chords have other corners, which the fit of jerks makes up for.
-        Some(jerks) => START_CHORD_ERROR_RATIOS
-            .into_iter()
-            .filter_map(|ratio| {
-                let with_chords = |of: &Machine| with_jerks(of, jerks).with_scaled_chords(ratio);
-                nearest(with_corners.iter().map(with_chords).collect())
-            })
-            .collect(),
-        None => near(&with_corners).into_iter().collect(),
+    let of_shape = || plans_by_deviation(machine).then(|| jerk_of_shape(machine, &beyond, runs)).flatten();
+    let idle = with_junctions(&beyond);
+    let idle = match held.or_else(|| Some([of_shape()?; 3])) {
+        Some(jerks) => {
+            let with_chords = |of: &Machine| {
+                let ramps = with_jerks(of, jerks);
+                START_CHORD_ERROR_RATIOS.map(|ratio| ramps.with_scaled_chords(ratio))
+            };
+            nearest(idle.iter().flat_map(with_chords).collect())
+        }
+        None => near(&idle),
     };
     idle.into_iter().chain([&steeper[..], &alike].into_iter().filter_map(near)).collect()
 }
 
-/// Returns the jerks of axes with which the ramps of the planner `beyond`, which reaches no acceleration, have the shape nearest
-/// to the recorded one, mm/s³; `None` if the runs show no ramps. Axes that hold a jerk have that. `fitted` is the planner of
-/// trapezoids that takes the recorded time.
-fn jerks_of_shape(
-    fitted: &Machine,
-    beyond: &Machine,
-    held: [Option<f64>; 3],
-    runs: &[Run],
-) -> Option<[f64; 3]> {
+/// Returns the jerk with which the ramps of the planner `beyond`, which reaches no acceleration, have the shape nearest to the
+/// recorded one, mm/s³; `None` if the runs show no ramps. `fitted` is the planner of trapezoids that takes the recorded time.
+fn jerk_of_shape(fitted: &Machine, beyond: &Machine, runs: &[Run]) -> Option<f64> {
     let lasts = |machine: &Machine| runs.iter().map(|run| run.plan(machine).cycle_time()).sum::<f64>();
     let longest = MAX_TIME_RATIO * lasts(fitted);
-    let misfit = |jerks: [f64; 3]| {
-        let ramps = with_jerks(beyond, jerks);
-        if lasts(&ramps) < longest { ramp_misfit(&ramps, runs) } else { RampMisfit::default() }
+    let misfit = |jerk: f64| {
+        let ramps = with_jerks(beyond, [jerk; 3]);
+        let misfit = (lasts(&ramps) < longest).then(|| ramp_misfit(&ramps, runs).of_path);
+        misfit.flatten().unwrap_or(f64::INFINITY)
     };
-    let unknown: Vec<usize> = (0..3).filter(|axis| held[*axis].is_none()).collect();
-    let with_all = |jerk: f64| held.map(|own| own.unwrap_or(jerk));
-    let mut jerks = match unknown[..] {
-        [] => held.map(Option::unwrap_or_default),
-        // Ramps of axes that hold their jerk would outweigh the others.
-        _ => with_all(nearest_jerk(|jerk| {
-            let of_axes = misfit(with_all(jerk)).of_axes;
-            unknown.iter().filter_map(|axis| of_axes[*axis]).reduce(|sum, own| sum + own)
-        })?),
-    };
-    for axis in unknown {
-        let with_own = |jerk: f64| {
-            let mut jerks = jerks;
-            jerks[axis] = jerk;
-            jerks
-        };
-        if let Some(own) = nearest_jerk(|jerk| misfit(with_own(jerk)).of_axes[axis]) {
-            jerks[axis] = own;
-        }
-    }
-    Some(jerks)
-}
-
-/// Returns the jerk of the least misfit of ramps, mm/s³; `None` if none has one.
-fn nearest_jerk(misfit: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-    let misfit = |jerk: f64| misfit(jerk).unwrap_or(f64::INFINITY);
     let misfits = START_JERKS_MM_S3.map(misfit);
     let nearest = (0..misfits.len()).min_by(|one, other| misfits[*one].total_cmp(&misfits[*other]))?;
     if misfits[nearest] == f64::INFINITY {
@@ -151,9 +116,8 @@ fn with_jerks(planner: &Machine, jerks: [f64; 3]) -> Machine {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::alignment::{recorded, recorded_positions};
+    use crate::identification::alignment::recorded;
     use crate::identification::calibration::whitened;
-    use crate::identification::fit::AlignedRun;
     use crate::machine::Planner;
 
     /// The trapezoids have the mean acceleration of the ramps.
@@ -188,22 +152,5 @@ mod tests {
         let held = at_jerks(&planner, Some([3e3, 2e3, 1e3]));
         assert_eq!(held.len(), 1);
         assert_eq!(held[0].axes.map(|axis| axis.jerk), [3e3, 2e3, 1e3]);
-    }
-    /// Only the ramps of Z hold their jerk here.
-    #[test]
-    fn axes_that_hold_no_jerk_have_those_of_the_shape_of_their_ramps() {
-        let mut truth = Machine::default();
-        truth.become_planner(Planner::JunctionDeviation, ACCELERATION_BEYOND_RAMPS_MM_S2);
-        let jerks = [34e3, 45e3, 19e3];
-        truth.axes.iter_mut().zip(jerks).for_each(|(axis, jerk)| axis.jerk = jerk);
-        let program = format!("G1 F3000\n{}", "X30\nY30\nZ9\nX0\nY0\nZ0\n".repeat(6));
-        let (toolpath, csv) = recorded_positions(&program, &truth, |_, at| at);
-        let aligned = AlignedRun::new(toolpath, csv.as_bytes(), &truth).expect("it is of this program");
-        let of_shape =
-            |held| jerks_of_shape(&truth, &truth, held, &[aligned.run()]).expect("there are ramps");
-        for (found, jerk) in of_shape([None, None, Some(19e3)]).into_iter().zip(jerks) {
-            assert!((found / jerk - 1.0).abs() < 0.03, "{found} mm/s³, not {jerk}");
-        }
-        assert_eq!(of_shape(jerks.map(Some)), jerks);
     }
 }

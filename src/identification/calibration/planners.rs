@@ -72,8 +72,9 @@ impl Fitting<'_> {
         further.extend(with_other_ramps.filter(|(family, _)| !self.has_its_ramps(&of_families[*family])));
         further.retain(|(family, _)| !are_settled[*family]);
         let others = self.planners(&further.iter().map(|(_, start)| *start).collect::<Vec<_>>());
-        for ((family, _), next) in further.into_iter().zip(others) {
-            if self.is_nearer(&next, &of_families[family]) {
+        for ((family, start), next) in further.into_iter().zip(others) {
+            let is_of_law = !start.interpolator.quintic_ramps || self.has_its_ramps(&next);
+            if is_of_law && self.is_nearer(&next, &of_families[family]) {
                 of_families[family] = next;
             }
         }
