@@ -24,6 +24,7 @@ fn is(case: &Value, key: &str, value: &str) -> bool {
     case[key] == value
 }
 
+/// The causes that a case names.
 fn named(case: &Value) -> impl Iterator<Item = &Value> {
     case["named"].as_array().into_iter().flatten()
 }
@@ -131,16 +132,25 @@ fn ranges<'a>(transfers: impl Iterator<Item = &'a Value>) -> Value {
     json!({ "held": rate(held, stated.len()), "median_half_width": median(stated.iter().map(|(_, half)| *half).collect()) })
 }
 
-/// How "x % sure" agrees with what is true: over the causes named in clean runs and in changes.
-fn sureness(cases: &[Value]) -> Value {
-    let judged: Vec<(f64, bool)> = cases
-        .iter()
-        .filter(|case| is(case, "role", "clean") || is(case, "role", "change"))
+/// The confidence of each named cause, and whether it is right.
+pub fn judged<'a>(cases: impl Iterator<Item = &'a Value>) -> Vec<(f64, bool)> {
+    cases
         .flat_map(named)
         .filter_map(|cause| Some((cause["confidence"].as_f64()?, cause["right"] == true)))
-        .collect();
+        .collect()
+}
+
+/// The mean square of confidence less truth, which is 0 or 1.
+pub fn brier(judged: &[(f64, bool)]) -> f64 {
     let squares = judged.iter().map(|(sure, right)| (sure - f64::from(u8::from(*right))).powi(2));
-    let brier = squares.sum::<f64>() / judged.len().max(1) as f64;
+    squares.sum::<f64>() / judged.len().max(1) as f64
+}
+
+/// How "x % sure" agrees with what is true: over the causes named in clean runs and in changes.
+fn sureness(cases: &[Value]) -> Value {
+    let runs = cases.iter().filter(|case| is(case, "role", "clean") || is(case, "role", "change"));
+    let judged = judged(runs);
+    let brier = brier(&judged);
     let mut from = 0.0;
     let mut bins = Vec::new();
     for to in BINS {
@@ -197,7 +207,13 @@ fn by_program_kind(cases: &[Value], transfers: &[Value]) -> Value {
 }
 
 fn rate_words(rate: &Value) -> String {
-    let share = |key: &str| rate[key].as_f64().map_or("–".into(), |part| format!("{:.0}", 100.0 * part));
+    rate_text(rate, 0)
+}
+
+/// As in "3 of 95 (1 to 8 %)", with so many decimals in the interval.
+pub fn rate_text(rate: &Value, decimals: usize) -> String {
+    let share =
+        |key: &str| rate[key].as_f64().map_or("–".into(), |part| format!("{:.decimals$}", 100.0 * part));
     match rate["of"].as_u64() {
         None | Some(0) => "–".into(),
         Some(of) => format!("{} of {of} ({} to {} %)", rate["hits"], share("low_90"), share("high_90")),

@@ -31,6 +31,18 @@ impl Family {
         ("tinyg", Family::TinyG),
     ];
 
+    /// Its name as people write it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Family::LinuxCnc => "LinuxCNC",
+            Family::Grbl => "grbl",
+            Family::Klipper => "Klipper",
+            Family::Marlin => "Marlin",
+            Family::MarlinDeviation => "Marlin, junction deviation",
+            Family::TinyG => "TinyG",
+        }
+    }
+
     pub fn named(name: &str) -> Option<Family> {
         Family::NAMES.into_iter().find_map(|(own, family)| (own == name).then_some(family))
     }

@@ -4,8 +4,8 @@
 //! cargo run --release --example controller -- pool docs/diagnosis > docs/seeds.md
 //! ```
 //!
-//! A file `controller-SEED-CONTROL.json` contains the results of one seed on one control; LinuxCNC has no suffix. Rates are
-//! added up over files, each with its interval; the order of files is that of the builds that scored them.
+//! A file `controller-SEED-CONTROL.json` contains the results of one seed on one control; LinuxCNC has no suffix. The page adds
+//! up their rates and states the interval of each sum. Seeds come in the order in which builds scored them.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -13,36 +13,28 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::Refusal;
-use crate::interval::clopper_pearson;
+use crate::figures::{brier, judged, rate, rate_text};
+use crate::machine::Family;
 
-/// The controls: the suffix of their files, and their names.
-const CONTROLS: [(&str, &str); 6] = [
-    ("", "LinuxCNC"),
-    ("grbl", "grbl"),
-    ("klipper", "Klipper"),
-    ("marlin", "Marlin"),
-    ("marlin-deviation", "Marlin, junction deviation"),
-    ("tinyg", "TinyG"),
-];
 /// Suffix of the files of long programs.
-const LONG: &str = "-long";
+const LONG_PROGRAMS_SUFFIX: &str = "-long";
 /// Number of seeds that count as the newest ones.
-const NEWEST: usize = 10;
+const NEWEST_SEEDS_COUNT: usize = 10;
 /// Number of cases from which on an interval has decimals.
 const MIN_CASES_OF_DECIMALS: usize = 200;
-/// Edges between the bins of confidences.
-const SURE: [f64; 6] = [0.0, 0.4, 0.6, 0.9, 0.99, 1.0 + 1e-9];
-/// Edges between the bins of the time that a change takes, s.
-const SECONDS: [f64; 7] = [0.03, 0.1, 0.2, 0.5, 1.0, 3.0, f64::INFINITY];
-/// Edges between the bins of the distance by which a change bends the path, mm.
-const MILLIMETRES: [f64; 5] = [0.003, 0.01, 0.03, 0.1, f64::INFINITY];
-/// Time below which a change that bends the path counts as one of the path alone, s.
-const MAX_SECONDS_OF_PATH: f64 = 0.03;
+/// Edges of the bins of confidence.
+const CONFIDENCE_EDGES: [f64; 6] = [0.0, 0.4, 0.6, 0.9, 0.99, 1.0 + 1e-9];
+/// Edges of the bins of a change by its time, s.
+const CHANGE_TIME_EDGES_S: [f64; 7] = [0.03, 0.1, 0.2, 0.5, 1.0, 3.0, f64::INFINITY];
+/// Edges of the bins of a change by its largest deviation from the path, mm.
+const CHANGE_DEVIATION_EDGES_MM: [f64; 5] = [0.003, 0.01, 0.03, 0.1, f64::INFINITY];
+/// Time below which a change counts by its deviation from the path, s.
+const MIN_CHANGE_TIME_S: f64 = 0.03;
 
 /// The results of one seed on one control.
 struct Scored {
     seed: u64,
-    control: &'static str,
+    control: Family,
     /// Number of commits before the build that scored it.
     build: u64,
     file: String,
@@ -51,8 +43,9 @@ struct Scored {
 
 impl Scored {
     fn name(&self) -> String {
-        let is_long = self.file.contains(LONG);
-        if is_long { format!("{}, long programs", self.control) } else { self.control.to_string() }
+        let is_long = self.file.contains(LONG_PROGRAMS_SUFFIX);
+        let title = self.control.title();
+        if is_long { format!("{title}, long programs") } else { title.to_string() }
     }
 }
 
@@ -66,34 +59,22 @@ struct Rate {
 impl Rate {
     /// Counts those of `all` that are `right`.
     fn count<T>(all: impl Iterator<Item = T>, right: impl Fn(&T) -> bool) -> Rate {
-        all.fold(Rate::default(), |sum, one| Rate {
-            hits: sum.hits + usize::from(right(&one)),
-            of: sum.of + 1,
-        })
+        Rate::sum(all.map(|one| Rate { hits: usize::from(right(&one)), of: 1 }))
     }
 
-    /// Adds up the rates at a place of the results of each seed.
-    fn at<'a>(all: impl IntoIterator<Item = &'a Scored>, place: &str) -> Rate {
+    /// Adds up the rates at a place of some results.
+    fn at(some: &[&Scored], place: &str) -> Rate {
         let number = |value: &Value| value.as_u64().unwrap_or(0) as usize;
-        all.into_iter().filter_map(|one| one.results.pointer(place)).fold(Rate::default(), |sum, rate| Rate {
-            hits: sum.hits + number(&rate["hits"]),
-            of: sum.of + number(&rate["of"]),
-        })
+        let rates = some.iter().filter_map(|one| one.results.pointer(place));
+        Rate::sum(rates.map(|rate| Rate { hits: number(&rate["hits"]), of: number(&rate["of"]) }))
     }
 
-    fn plus(self, other: Rate) -> Rate {
-        Rate { hits: self.hits + other.hits, of: self.of + other.of }
+    fn sum(rates: impl Iterator<Item = Rate>) -> Rate {
+        rates.fold(Rate::default(), |sum, next| Rate { hits: sum.hits + next.hits, of: sum.of + next.of })
     }
 
-    /// As in "3 of 95 (1 to 8 %)".
     fn text(self) -> String {
-        if self.of == 0 {
-            return "–".to_string();
-        }
-        let (low, high) = clopper_pearson(self.hits, self.of);
-        let decimals = usize::from(MIN_CASES_OF_DECIMALS <= self.of);
-        let percent = |rate: f64| format!("{:.decimals$}", 100.0 * rate);
-        format!("{} of {} ({} to {} %)", self.hits, self.of, percent(low), percent(high))
+        rate_text(&rate(self.hits, self.of), usize::from(MIN_CASES_OF_DECIMALS <= self.of))
     }
 }
 
@@ -106,7 +87,7 @@ pub fn page(folder: &Path) -> Result<(String, Vec<String>), Refusal> {
             seeds.push(one.seed);
         }
     }
-    let newest = &seeds[seeds.len().saturating_sub(NEWEST)..];
+    let newest = &seeds[seeds.len().saturating_sub(NEWEST_SEEDS_COUNT)..];
     let of_newest: Vec<&Scored> = all.iter().filter(|one| newest.contains(&one.seed)).collect();
     let of_all: Vec<&Scored> = all.iter().collect();
     let mut text = INTRODUCTION.to_string();
@@ -118,7 +99,7 @@ pub fn page(folder: &Path) -> Result<(String, Vec<String>), Refusal> {
     text += &sureness(&of_newest, &of_all);
     text += RECALL;
     text += &recall(&of_newest, &of_all);
-    text += EVERY_SEED;
+    text += "\n## Every seed\n\n";
     text += &every_seed(&seeds, &all);
     Ok((text, others))
 }
@@ -134,8 +115,9 @@ fn scored(folder: &Path) -> Result<(Vec<Scored>, Vec<String>), Refusal> {
     for file in files {
         let name = file.trim_start_matches("controller-").trim_end_matches(".json");
         let (seed, suffix) = name.split_once('-').unwrap_or((name, ""));
-        let suffix = suffix.trim_end_matches(LONG);
-        let Some((_, control)) = CONTROLS.iter().find(|(own, _)| *own == suffix) else {
+        let suffix = suffix.trim_end_matches(LONG_PROGRAMS_SUFFIX);
+        let control = if suffix.is_empty() { Some(Family::LinuxCnc) } else { Family::named(suffix) };
+        let Some(control) = control else {
             others.push(file);
             continue;
         };
@@ -144,7 +126,7 @@ fn scored(folder: &Path) -> Result<(Vec<Scored>, Vec<String>), Refusal> {
         let build = build.and_then(|build| build.parse().ok()).ok_or_else(|| format!("{file}: no build"))?;
         all.push(Scored { seed: seed.parse()?, control, build, file, results });
     }
-    let place = |control: &str| CONTROLS.iter().position(|(_, own)| *own == control);
+    let place = |control: Family| Family::NAMES.iter().position(|(_, own)| *own == control);
     all.sort_by_key(|one| (one.build, one.seed, place(one.control)));
     Ok((all, others))
 }
@@ -164,21 +146,16 @@ fn by_control(all: &[&Scored]) -> String {
             let missed = ["unknown", "silent", "refused"].map(|outcome| visible(some, outcome).hits);
             Rate { hits: missed.iter().sum(), of: visible(some, "first").of }.text()
         }),
-        ("right causes with another one beside", |some| {
-            Rate::at(some.iter().copied(), "/false_second_causes").text()
-        }),
-        ("times of other programs within the stated range", |some| {
-            Rate::at(some.iter().copied(), "/range/held").text()
-        }),
-        ("limits of axes within their 90 % interval", |some| {
-            Rate::at(some.iter().copied(), "/limits_within").text()
-        }),
+        ("right causes with another one beside", |some| Rate::at(some, "/false_second_causes").text()),
+        ("times of other programs within the stated range", |some| Rate::at(some, "/range/held").text()),
+        ("limits of axes within their 90 % interval", |some| Rate::at(some, "/limits_within").text()),
     ];
-    let named =
-        |name: &str| -> Vec<&Scored> { all.iter().filter(|one| one.control == name).copied().collect() };
-    let columns: Vec<(&str, Vec<&Scored>)> = CONTROLS
-        .iter()
-        .map(|(_, name)| (*name, named(name)))
+    let on = |control: Family| -> Vec<&Scored> {
+        all.iter().filter(|one| one.control == control).copied().collect()
+    };
+    let columns: Vec<(&str, Vec<&Scored>)> = Family::NAMES
+        .into_iter()
+        .map(|(_, control)| (control.title(), on(control)))
         .filter(|(_, of)| !of.is_empty())
         .chain([("all", all.to_vec())])
         .collect();
@@ -202,27 +179,19 @@ fn programs(all: &[&Scored]) -> usize {
 
 /// Returns the rate of clean runs of all kinds with a cause.
 fn clean(all: &[&Scored]) -> Rate {
-    ["clean", "other_clean", "preset", "probed"]
-        .map(|role| Rate::at(all.iter().copied(), &format!("/{role}_with_a_name")))
-        .into_iter()
-        .fold(Rate::default(), Rate::plus)
+    let roles = ["clean", "other_clean", "preset", "probed"];
+    Rate::sum(roles.iter().map(|role| Rate::at(all, &format!("/{role}_with_a_name"))))
 }
 
 fn visible(all: &[&Scored], outcome: &str) -> Rate {
-    Rate::at(all.iter().copied(), &format!("/changes_visible/{outcome}"))
+    Rate::at(all, &format!("/changes_visible/{outcome}"))
 }
 
 /// Returns how often causes of each confidence are right.
 fn sureness(newest: &[&Scored], all: &[&Scored]) -> String {
-    let judged = |some: &[&Scored]| -> Vec<(f64, bool)> {
-        cases(some)
-            .flat_map(|case| case["named"].as_array().into_iter().flatten())
-            .filter_map(|cause| Some((cause["confidence"].as_f64()?, cause["right"] == true)))
-            .collect()
-    };
-    let sets = [judged(newest), judged(all)];
+    let sets = [newest, all].map(|some| judged(cases(some)));
     let mut text = "| said | right, newest seeds | right, all seeds |\n|---|---:|---:|\n".to_string();
-    for edges in SURE.windows(2) {
+    for edges in CONFIDENCE_EDGES.windows(2) {
         let cells = sets.each_ref().map(|set| {
             let inside: Vec<_> =
                 set.iter().filter(|(sure, _)| edges[0] <= *sure && *sure < edges[1]).collect();
@@ -237,14 +206,11 @@ fn sureness(newest: &[&Scored], all: &[&Scored]) -> String {
         let [from, to] = [edges[0], edges[1]].map(|edge| (100.0 * edge).round());
         text += &format!("| {from} to {to} % sure | {} |\n", cells.join(" | "));
     }
-    let brier = sets.each_ref().map(|set| {
-        let squares = set.iter().map(|(sure, right)| (sure - f64::from(u8::from(*right))).powi(2));
-        format!("{:.3} of {} causes", squares.sum::<f64>() / set.len() as f64, set.len())
-    });
+    let scores = sets.each_ref().map(|set| format!("{:.3} of {} causes", brier(set), set.len()));
     let slopes = sets.each_ref().map(|set| format!("{:.2}", slope(set)));
     text += &format!(
         "| Brier score | {} |\n| slope of right over said | {} |\n",
-        brier.join(" | "),
+        scores.join(" | "),
         slopes.join(" | ")
     );
     text
@@ -264,8 +230,7 @@ fn slope(judged: &[(f64, bool)]) -> f64 {
 /// Returns how many changes of each size are right first.
 fn recall(newest: &[&Scored], all: &[&Scored]) -> String {
     let size = |case: &Value, key: &str| case[key].as_f64().map_or(0.0, f64::abs);
-    let of_time =
-        |case: &Value| Some(size(case, "effect_s")).filter(|seconds| MAX_SECONDS_OF_PATH <= *seconds);
+    let of_time = |case: &Value| Some(size(case, "effect_s")).filter(|seconds| MIN_CHANGE_TIME_S <= *seconds);
     let of_path = |case: &Value| of_time(case).is_none().then(|| size(case, "effect_mm"));
     let mut text =
         "| size of the change | right first, newest seeds | right first, all seeds |\n|---|---:|---:|\n"
@@ -285,8 +250,8 @@ fn recall(newest: &[&Scored], all: &[&Scored]) -> String {
             text += &format!("| {what} | {} |\n", cells.join(" | "));
         }
     };
-    rows(&SECONDS, "s", &of_time);
-    rows(&MILLIMETRES, "mm", &of_path);
+    rows(&CHANGE_TIME_EDGES_S, "s", &of_time);
+    rows(&CHANGE_DEVIATION_EDGES_MM, "mm", &of_path);
     text
 }
 
@@ -297,12 +262,7 @@ fn every_seed(seeds: &[u64], all: &[Scored]) -> String {
         let of: Vec<&Scored> = all.iter().filter(|one| one.seed == *seed).collect();
         let links: Vec<String> =
             of.iter().map(|one| format!("[{}](diagnosis/{})", one.name(), one.file)).collect();
-        let counts = [
-            clean(&of),
-            visible(&of, "first"),
-            visible(&of, "wrong"),
-            Rate::at(of.iter().copied(), "/range/held"),
-        ];
+        let counts = [clean(&of), visible(&of, "first"), visible(&of, "wrong"), Rate::at(&of, "/range/held")];
         let counts = counts.map(|rate| format!("{} of {}", rate.hits, rate.of));
         text += &format!(
             "| {seed} | {seed:07x} | {} | {} | {} |\n",
@@ -316,10 +276,10 @@ fn every_seed(seeds: &[u64], all: &[Scored]) -> String {
 
 const INTRODUCTION: &str = "# Seeds scored
 
-`examples/controller` draws programs as shops run them, records them on a control, once as it is and again with one thing changed, and scores
-what `truefeed` says of the recordings. LinuxCNC is the real control; the other controls have planners written after their software, which share
-no code with Truefeed ([recordings](recordings.md)). A seed is the hash of a commit, drawn after the last change of the identification, and the build of
-that day scores it once. Later versions may use its recordings for development, so each seed is fresh only once. The calibration of each program
+`examples/controller` draws programs of the kinds that shops run. It records each of them on a control, first unchanged and then with a single
+change to the machine, and scores the diagnoses by `truefeed`. LinuxCNC is the real control; the other controls have planners written after their
+software, which share no code with Truefeed ([recordings](recordings.md)). A seed is the hash of a commit that changed the identification, and
+the build of that commit scores it once. Later versions may use its recordings for development, so each seed is fresh only once. Every calibration
 begins with a machine file that knows nothing of the control (`tests/data/machines/generic.toml`).
 
 ```
@@ -348,13 +308,8 @@ that Truefeed does not know; since then no cause is surer than 96.7 %.
 const RECALL: &str = "
 ## How large a change must be
 
-The time that a change takes, or where it takes less than 0.03 s, the distance by which it bends the path. Below the limit of a visible change,
-silence is right.
-
-";
-
-const EVERY_SEED: &str = "
-## Every seed
+A change counts by the time that it adds to the run or saves. Below 0.03 s, it counts by its largest deviation from the path. A diagnosis should
+be silent on a change that is not visible.
 
 ";
 

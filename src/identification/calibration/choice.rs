@@ -1,8 +1,8 @@
 //! Runs → the model of the control that is nearest to them, fitted.
 //!
 //! The choice begins with filters, of each order and with the laws that the runs show; planners follow, with each way to
-//! blend corners and with rapid rates that no plateau shows, and steps of velocity at corners. Another model is taken if it is nearer by the margin of its kind (see
-//! the front file).
+//! blend corners and with rapid rates that no plateau shows, and steps of velocity at corners. Another model is taken if it
+//! is nearer by the margin of its kind (see the front file).
 
 use crate::identification::calibration::held_accelerations::HeldAccelerations;
 use crate::identification::calibration::motion::{motion, spindle_ramp};

@@ -248,9 +248,12 @@ impl Fitting<'_> {
 
 /// Returns a planner of Marlin with quintic ramps; `None` if it has them, or is no such planner.
 fn with_quintic_ramps(planner: &Machine) -> Option<Machine> {
-    let mut quintic = planner.clone();
-    quintic.interpolator.quintic_ramps = true;
-    (families::is_of_marlin(planner) && quintic != *planner).then_some(quintic)
+    let has_others = families::is_of_marlin(planner) && !planner.interpolator.quintic_ramps;
+    has_others.then(|| {
+        let mut quintic = planner.clone();
+        quintic.interpolator.quintic_ramps = true;
+        quintic
+    })
 }
 
 /// Returns the largest cost at which a model takes the place of another one, whose cost is `before`: by far, or so that the

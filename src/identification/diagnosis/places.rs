@@ -4,7 +4,7 @@
 //! Let g be the change of the residual between marks by an override on all lines, and δ the observed change. Then
 //! β = Σ δ g / Σ g² over a range explains (Σ δ g)² / Σ g² of Σ δ². The range that explains most is found from prefix
 //! sums over at most [`BINS`] parts. Where other limits hold, g is not proportional to the lost time: an override of 97 % may change
-//! nothing where one of 50 % halves the velocity. So g is that of each of several overrides ([`TRIED`]), and the one that explains
+//! nothing where one of 50 % halves the velocity. So g is that of each of several overrides ([`TRIED_RATIOS`]), and the one that explains
 //! most counts. Edges and ratio are then fitted, and the override counts only if it lowers the cost by enough more than one
 //! on all lines.
 //!
@@ -24,9 +24,9 @@ use crate::simulation::ordered::sort_by_number;
 
 /// Most parts of a run, between which a range may begin and end.
 const BINS: usize = 300;
-/// Override ratios that are simulated to obtain the effect of an override. An override between two of them is no farther from one
-/// than a quarter.
-const TRIED: [f64; 7] = [0.97, 0.75, 0.5, 0.33, 0.2, 1.3, 1.7];
+/// Override ratios that are simulated to obtain the effect of an override. Every ratio between two of them is within a quarter
+/// of one.
+const TRIED_RATIOS: [f64; 7] = [0.97, 0.75, 0.5, 0.33, 0.2, 1.3, 1.7];
 /// Golden sections in the search of the ratio of an override.
 const RATIO_SECTIONS: usize = 14;
 /// Largest lost time of a part by an override, as a multiple of the simulated time: the override is 1/(1 + `MAX_SLOWING`).
@@ -74,7 +74,7 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     let end = |bin: usize| (bin * part).min(marks.len() - 1);
     // Whitened residuals remember what was lost before, so they do not show where.
     let lost = |of: &[f64], bin: usize| of[end(bin + 1)] - of[end(bin)];
-    let tried = TRIED.map(|ratio| {
+    let tried = TRIED_RATIOS.map(|ratio| {
         let changed =
             run.residuals(&overridden(machine, ratio * machine.overrides.feed, machine.overrides.span));
         // What an override that doubles the time would lose.
@@ -345,6 +345,7 @@ mod tests {
         assert!(range_found(|machine| overridden(machine, 0.53, Overrides::WHOLE_PATH_BOUNDS_MM)).is_none());
         assert!(range_found(Machine::clone).is_none());
     }
+
     /// Short lines there and back, on which the machine never reaches the programmed feed, but for an override of half of it.
     #[test]
     fn an_override_is_found_where_a_small_one_changes_nothing() {
